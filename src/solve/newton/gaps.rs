@@ -1,6 +1,6 @@
 //! Position correction of an island: closes the gaps of its joints and removes the overlaps of its contacts.
 
-use super::held::{Ends, rate_of};
+use super::held::{Ends, Gaps, rate_of};
 use super::island::CoupledIsland;
 use super::patch::Patch;
 use crate::id::{JointId, Pool};
@@ -22,37 +22,42 @@ const MAX_CLOSINGS: usize = 4;
 impl CoupledIsland {
     /// Takes errors of joints and overlaps out of the positions that bodies have moved to in a substep of length `h` (s), `left` (s) from the end
     /// of the step: with the factor of the substep, and while a gap is left that matters, with rows and a factor of where the bodies are now.
-    pub(super) fn close_gaps(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64) {
-        let mut before = if self.is_looped { self.held.square_of_gaps(joints, &self.local_poses) } else { f64::INFINITY };
-        self.correct(joints, h, left, before);
+    /// Greatest gap that is left (m).
+    pub(super) fn close_gaps(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64) -> f64 {
+        let mut before = if self.is_looped { self.held.gaps(joints, &self.local_poses).squares } else { f64::INFINITY };
+        let mut corrected = self.correct(joints, h, left, before);
         for _ in 0..MAX_CLOSINGS {
-            if self.joint_gap(joints) <= MIN_GAP * self.held.mean_lever(&self.bodies) {
-                break;
+            let gaps = corrected.unwrap_or_else(|| self.held.gaps(joints, &self.local_poses));
+            if gaps.greatest <= MIN_GAP * self.held.mean_lever(&self.bodies) {
+                return gaps.greatest;
             }
             let last = before;
-            before = self.held.square_of_gaps(joints, &self.local_poses);
+            before = gaps.squares;
             if self.is_looped && before > STUCK * last {
-                break;
+                return gaps.greatest;
             }
             self.follow_rows(joints, h, left);
-            if !self.correct(joints, h, left, before) {
-                break;
+            corrected = self.correct(joints, h, left, before);
+            if corrected.is_none() {
+                return gaps.greatest;
             }
         }
+        corrected.map_or(0.0, |gaps| gaps.greatest)
     }
 
     /// Takes errors of joints and overlaps out of positions: all of them, or as much as leaves no more than half of what it takes by turning
     /// bodies too far. A line of links that is all but straight gives way to its sides only, and that by more the straighter it is. No more
     /// is taken than leaves the sum of the squares of gaps at `before` or less: a loop that stands all but straight folds its light links
-    /// where it should straighten. In a loop in which nothing presses, bodies may turn further if that leaves next to nothing. Whether anything could be taken.
-    fn correct(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64, before: f64) -> bool {
+    /// where it should straighten. In a loop in which nothing presses, bodies may turn further if that leaves next to nothing. The
+    /// gaps that are left; none if nothing could be taken.
+    fn correct(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64, before: f64) -> Option<Gaps> {
         let lever = self.held.mean_lever(&self.bodies);
         let Self { problem, bodies, moved, rates, local_poses, held, moved_to, patches, is_looped, .. } = self;
         let worst = held.find_errors(joints, problem, Ends { bodies, moved, rates, local_poses }, h, left);
         problem.find_displacements();
         let displacements = problem.displacements();
         if displacements.iter().flatten().any(|value| !value.is_finite()) || displacements.is_empty() {
-            return false;
+            return None;
         }
         // In a loop only joints decide: what pushes it further out of an overlap opens it.
         let worst = if *is_looped { worst } else { worst.max(problem.deepest_push()) };
@@ -67,12 +72,13 @@ impl CoupledIsland {
             for ((body, stance), way) in moving.zip(displacements) {
                 body.displace(stance, &rate_of(way), share);
             }
-            if before == f64::INFINITY || held.square_of_gaps(joints, moved_to) < bound {
+            let gaps = held.gaps(joints, moved_to);
+            if before == f64::INFINITY || gaps.squares < bound {
                 std::mem::swap(local_poses, moved_to);
-                return true;
+                return Some(gaps);
             }
         }
-        false
+        None
     }
 
     /// Brings rows that always hold to where bodies are.

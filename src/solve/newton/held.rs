@@ -37,6 +37,13 @@ pub(super) struct JointSet {
     at_end: (Vec<JointBlock>, Vec<Term>, Vec<Source>),
 }
 
+/// How far joint points are from each other beyond what their joints allow: the greatest distance (m), and the sum of squares of all (m²).
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Gaps {
+    pub greatest: f64,
+    pub squares: f64,
+}
+
 /// Bodies as joints ask for them, by local number.
 #[derive(Clone, Copy)]
 pub(super) struct Ends<'a> {
@@ -291,17 +298,15 @@ impl JointSet {
         if length > 0.0 { length } else { f64::INFINITY }
     }
 
-    /// Sum of the squares of these distances for joints as gaps (m²).
-    pub(super) fn square_of_gaps(&self, joints: &Pool<Joint, JointId>, local_poses: &[LocalPose]) -> f64 {
-        self.gaps(joints, local_poses).map(|gap| gap * gap).sum()
+    /// How far joint points are from each other beyond what their joints allow.
+    pub(super) fn gaps(&self, joints: &Pool<Joint, JointId>, local_poses: &[LocalPose]) -> Gaps {
+        self.each_gap(joints, local_poses).fold(Gaps::default(), |gaps, gap| Gaps {
+            greatest: gaps.greatest.max(gap),
+            squares: gaps.squares + gap * gap,
+        })
     }
 
-    /// Greatest distance between joint points beyond what their joints allow (m).
-    pub(super) fn gap(&self, joints: &Pool<Joint, JointId>, local_poses: &[LocalPose]) -> f64 {
-        self.gaps(joints, local_poses).fold(0.0, f64::max)
-    }
-
-    fn gaps<'a>(&'a self, joints: &'a Pool<Joint, JointId>, local_poses: &'a [LocalPose]) -> impl Iterator<Item = f64> + 'a {
+    fn each_gap<'a>(&'a self, joints: &'a Pool<Joint, JointId>, local_poses: &'a [LocalPose]) -> impl Iterator<Item = f64> + 'a {
         self.entries.iter().zip(&self.ends).map(|(entry, ends)| {
             let [a, b] = ends.map(|body| local_poses[body]);
             let (def, placement) = (&joints[entry.joint].def, entry.placement(a, b));

@@ -208,9 +208,12 @@ impl CoupledIsland {
             self.patches.iter_mut().for_each(|patch| patch.keep_impulses(&self.problem.terms));
             self.advance(h);
             let fallen = self.energy();
-            self.close_gaps(joints, h, left[1]);
+            let gap = self.close_gaps(joints, h, left[1]);
             self.outcome.lifted += self.energy() - fallen;
             self.held.follow_angles(joints, &self.local_poses, left[1]);
+            if !self.holds_together(gap) {
+                break;
+            }
         }
         let overlaps = self.patches.iter().map(|patch| patch.overlap(&self.local_poses, &self.began));
         self.outcome.penetration = overlaps.fold(0.0, f64::max);
@@ -458,7 +461,7 @@ impl CoupledIsland {
 
     /// Greatest distance between joint points beyond what their joints allow (m).
     pub(crate) fn joint_gap(&self, joints: &Pool<Joint, JointId>) -> f64 {
-        self.held.gap(joints, &self.local_poses)
+        self.held.gaps(joints, &self.local_poses).greatest
     }
 
     /// What is told of it; `body` is one of its bodies.

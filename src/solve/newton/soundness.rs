@@ -36,11 +36,14 @@ impl CoupledIsland {
         let unseen: f64 = free.map(|(mass, pull)| mass * (LIFT * pull + 0.5 * STANDING * STANDING)).sum();
         let lifted = self.outcome.lifted.max(0.0) + unseen;
         let allowed = self.outcome.driven + lifted + ROUNDING * self.outcome.kinetic;
-        let [gap, opened] = self.outcome.gaps;
-        let lever = self.held.mean_lever(&self.bodies);
-        let is_held = opened <= gap.max(MAX_GAP * lever);
         // Written so that what is no number is not.
-        self.outcome.gain <= allowed && self.parts_slowly() && is_held
+        self.outcome.gain <= allowed && self.holds_together(self.outcome.gaps[1])
+    }
+
+    /// Whether rows that always hold have held so far, in a step that has left this gap (m) to now: where they have not, what is left of the step
+    /// is for nothing.
+    pub(super) fn holds_together(&self, gap: f64) -> bool {
+        self.parts_slowly() && gap <= self.outcome.gaps[0].max(MAX_GAP * self.held.mean_lever(&self.bodies))
     }
 
     /// Whether rows that always hold have held.
