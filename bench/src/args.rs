@@ -46,6 +46,12 @@ pub enum Command {
         #[arg(long, default_value_t = 100, value_parser = at_least_one)]
         seeds: usize,
     },
+    /// Runs scenes at numbers that nothing was tuned for, at other rates and sizes, and prints what they keep of their promises (Markdown)
+    HoldoutTable {
+        /// Only scenes whose name contains this
+        #[arg(default_value = "")]
+        of: String,
+    },
     /// Takes the time of deriving long-range constraints, of whole worlds and after one joint is gone, and prints a table (Markdown)
     DeriveTable,
     /// Times what a host asks of a world between steps, and prints it as tables (Markdown): snapshots, edits

@@ -4,6 +4,7 @@ mod args;
 mod cold;
 mod derive_table;
 mod draw;
+mod holdout_table;
 mod host_table;
 mod line;
 mod plot;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Command::List => session::list(),
         Command::Plot { file, out_dir, error, time } => plot::plot(&file, &out_dir, error.as_deref(), time),
         Command::StressTable { seeds } => stress_table::print(seeds as u64),
+        Command::HoldoutTable { of } => holdout_table::print(&of),
         Command::DeriveTable => derive_table::print(),
         Command::HostTable { repeats } => host_table::print(repeats),
         #[cfg(feature = "trace")]

@@ -47,6 +47,7 @@ mod params;
 pub mod picture;
 mod pile;
 mod platform;
+pub mod promises;
 mod ragdoll;
 mod random;
 pub mod reference;

@@ -300,10 +300,8 @@ impl JointSet {
 
     /// How far joint points are from each other beyond what their joints allow.
     pub(super) fn gaps(&self, joints: &Pool<Joint, JointId>, local_poses: &[LocalPose]) -> Gaps {
-        self.each_gap(joints, local_poses).fold(Gaps::default(), |gaps, gap| Gaps {
-            greatest: gaps.greatest.max(gap),
-            squares: gaps.squares + gap * gap,
-        })
+        self.each_gap(joints, local_poses)
+            .fold(Gaps::default(), |gaps, gap| Gaps { greatest: gaps.greatest.max(gap), squares: gaps.squares + gap * gap })
     }
 
     fn each_gap<'a>(&'a self, joints: &'a Pool<Joint, JointId>, local_poses: &'a [LocalPose]) -> impl Iterator<Item = f64> + 'a {
