@@ -2,9 +2,10 @@
 
 use std::f32::consts::TAU;
 
-use longspan::glam::{DVec3, Quat, Vec3};
+use longspan::glam::{DVec3, Mat3, Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, Geometry, JointDef, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, Softness, Solver, World, WorldDef,
+    Axis, BodyDef, BodyId, Geometry, JointDef, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, Softness, Solver, World,
+    WorldDef,
 };
 
 const RADIUS: f32 = 0.4;
@@ -184,5 +185,65 @@ fn what_hangs_from_the_centre_of_a_ball_does_not_slow_it_down() {
             let kept = world.linear_velocity(ball).expect("it stays").x / speed;
             assert!((kept - 1.0).abs() < 2e-3, "of {radius} m, {rate}/s: {kept} of its speed is left, bound 0.2 % off");
         }
+    }
+}
+
+/// The car of *docs/guide/recipes.md*: its wheels are on six-axis joints whose x axis points up. With y up and x the axle, the axis of steering goes
+/// round with the wheel, and it drives straight on.
+#[test]
+fn a_car_on_six_axis_joints_drives_in_the_circle_that_it_steers() {
+    let (circle, speed) = (8.0_f32, 3.0_f32);
+    let spring = Softness { compliance: 2.5e-5, damping: 2000.0 };
+    for (rate, has_servo) in [30.0_f32, 60.0, 120.0, 240.0].into_iter().flat_map(|rate| [true, false].map(|servo| (rate, servo)))
+    {
+        let mut world = floor(Solver::Auto, false);
+        let chassis = ShapeDef::new(Shape::cuboid(Vec3::new(1.5, 0.2, 0.6)).expect("a valid shape"));
+        let chassis = add(&mut world, DVec3::Y * 0.7, Quat::IDENTITY, chassis, 1000.0);
+        for (x, z) in [(-1.0_f32, -0.8_f32), (-1.0, 0.8), (1.0, -0.8), (1.0, 0.8)] {
+            let at = DVec3::new(f64::from(x), f64::from(RADIUS), f64::from(z));
+            let wheel = Geometry::Cylinder { half_height: 0.1, radius: RADIUS };
+            let wheel = add(&mut world, at, Quat::from_rotation_arc(Vec3::Y, Vec3::Z), round(wheel), 30.0);
+            // Each wheel rolls as fast as its circle about the middle of them all is long.
+            let (ahead, across) = (x + 1.0, circle - z);
+            let drive = Motor::Velocity { target: -speed / RADIUS * ahead.hypot(across) / circle, max_force: 500.0 };
+            let turn = -(ahead / across).atan();
+            let is_steered = x > 0.0;
+            let servo = Motor::Position { target: turn, softness: Softness::RIGID, max_force: f32::INFINITY };
+            let steered = Axis { limits: Limits::new(-1.0, 1.0), motor: servo };
+            let hung = Motor::Position { target: 0.0, softness: spring, max_force: f32::INFINITY };
+            let kind = JointKind::Generic {
+                linear: [Axis { limits: Limits::new(-0.2, 0.2), motor: hung }, Axis::LOCKED, Axis::LOCKED],
+                angular: [
+                    if is_steered && has_servo { steered } else { Axis::LOCKED },
+                    Axis { limits: Limits::NONE, motor: drive },
+                    Axis::LOCKED,
+                ],
+            };
+            // What is locked is locked as it is made: already steered.
+            let made = Quat::from_rotation_y(if is_steered && !has_servo { turn } else { 0.0 });
+            let upright = Quat::from_mat3(&Mat3::from_cols(Vec3::Y, Vec3::Z, Vec3::X));
+            let mut def = JointDef::new(kind, chassis, wheel);
+            let place = |body: BodyId, turned: Quat| {
+                let pose = world.pose(body).expect("it exists");
+                let local = pose.inverse_transform_point(at).as_dvec3();
+                Pose::at(local).rotated(pose.rotation.inverse() * turned * upright)
+            };
+            (def.frame_a, def.frame_b) = (place(chassis, made), place(wheel, Quat::IDENTITY));
+            world.create_joint(&def).expect("a valid joint");
+        }
+        let steps = |world: &mut World, seconds: f32| {
+            (0..(seconds * rate) as usize).for_each(|_| world.step(1.0 / rate).expect("a valid step"));
+        };
+        steps(&mut world, 4.0);
+        let (way, turning) = (world.linear_velocity(chassis), world.angular_velocity(chassis));
+        let (way, turning) = (way.expect("it stays").length(), turning.expect("it stays").y);
+        let what = format!("{rate}/s, with a servo: {has_servo}");
+        let (radius, expected) = (-way / turning, circle.hypot(1.0));
+        assert!((radius / expected - 1.0).abs() < 0.02, "{what}: a circle of {radius} m, bound 2 % from {expected} m");
+        assert!((way / speed - 1.0).abs() < 0.02, "{what}: {way} m/s, bound 2 % from {speed} m/s");
+        let height = world.pose(chassis).expect("it stays").position.y;
+        steps(&mut world, 1.0);
+        let bob = world.pose(chassis).expect("it stays").position.y - height;
+        assert!(bob.abs() < 1.0e-3, "{what}: the chassis moves by {bob} m in a second, bound 1 mm");
     }
 }

@@ -200,9 +200,11 @@ impl Patch {
                 let (side, normal, lever) =
                     if as_a == 0 { (1, spot.normal, spot.lever) } else { (0, -spot.normal, spot.other_lever) };
                 let (height, [own, other]) = (-normal.dot(lever), [side, 1 - side].map(|side| rates[self.bodies[side]].linear));
-                let turning = rolling.turning(own - other, height);
+                let (turning, angular) = (rolling.turning(own - other, height), rates[self.bodies[side]].angular);
                 let axes = rolling.directions.map(|t| normal.cross(t));
-                let turns = axes[0] * turning[0] + axes[1] * turning[1];
+                // A link on a drum goes round it, the deck under a wheel does not: no body is made to turn that does not turn by itself.
+                let turns = [0, 1].map(|k| axes[k] * axes[k].dot(angular).clamp(turning[k].min(0.0), turning[k].max(0.0)));
+                let turns = turns[0] + turns[1];
                 steady(side, turns, impulse);
                 for ([about, along], stiffness) in rolling.rows(normal, height, *reach).into_iter().flatten() {
                     let rate = about.dot(turns) + along.dot(own - other);
