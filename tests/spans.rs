@@ -8,13 +8,13 @@ use longspan::{
 };
 
 /// Where wheels of 50 kg bear a hull of 1.3 t, sweeps let them sink into planks of 20 kg by 5 cm, and the car runs off its line by 0.3 m.
-/// At 4 m/s and 30 Hz a wheel goes on by 33 mm in a substep, which a plank that rises by 0.06 more than the last meets by 2 mm.
+/// At 4 m/s and 30 Hz a wheel goes on by 33 mm in a substep, which a plank that rises by 0.08 more than the last meets by 2.6 mm.
 #[test]
 fn a_car_drives_over_a_bridge_of_planks_and_stays_on_it() {
     for rate in ["30", "60", "120"] {
         for keys in [[("planks", "8"), ("speed", "4")], [("planks", "10"), ("speed", "0")]] {
             let run = Run::of("bridge_car", &[keys[0], keys[1], ("rate", rate), ("seconds", "2.5")]);
-            run.keeps("deep_m", 2.0e-3, "m");
+            run.keeps("deep_m", 3.0e-3, "m");
             run.keeps("joint_gap_m", 1.0e-3, "m");
             run.keeps("aside_m", 1.0e-2, "m");
             run.keeps("tilt_deg", 0.2, "degrees");
@@ -56,7 +56,7 @@ fn a_truck_drives_over_a_bridge_that_hangs_from_ropes() {
             }
             last = (plank, Vec3::X * (0.5 * length));
             for z in [-1.4, 1.4] {
-                let rope = JointKind::Distance { limits: Limits::new(0.0, 4.0), motor: Motor::Off };
+                let rope = JointKind::Distance { limits: Limits::new(0.0, 4.0), spring_length: None, motor: Motor::Off };
                 let ends = (Vec3::new(at.x as f32, 4.0, z), Vec3::Z * z);
                 world.create_joint(&JointDef::new(rope, BodyId::NULL, plank).at(ends.0, ends.1)).unwrap();
             }
