@@ -47,6 +47,8 @@ fn arch(stones: usize, size: f64, rate: f64) -> [f64; 2] {
 fn an_arch_of_any_size_keeps_its_height() {
     let cases = [
         (7, 2.85, 30.0),
+        (8, 2.85, 60.0),
+        (8, 0.285, 30.0),
         (12, 2.85, 120.0),
         (17, 2.85, 30.0),
         (31, 2.85, 30.0),
