@@ -1,8 +1,8 @@
-//! For how long something has been so: what waits for a condition to last counts seconds, the same at every rate.
+//! Timers of conditions: for how many seconds one has held without a break, so that waits are as long at every step rate.
 
 use crate::tuning::stacks::SETTLING_TIME;
 
-/// Longest time that is counted (s).
+/// Time at which a timer stops counting (s).
 const LONGEST: f32 = 60.0;
 
 /// Share of a time that rounding of its sum may take: adding 1/240 s for four seconds is off by less than a tenth of it.
@@ -17,12 +17,12 @@ impl DwellTime {
     /// Longer than anything waits for.
     pub(crate) const LONGEST: Self = Self(LONGEST);
 
-    /// As long as a condition that must hold for `time` has to go on for `rest` (s).
+    /// A timer that reaches `time` if its condition holds for `rest` more (s).
     pub(crate) const fn short_of(time: f32, rest: f32) -> Self {
         Self(time - rest)
     }
 
-    /// What [`Self::seconds`] gave.
+    /// A timer from its [`seconds`](Self::seconds), as a snapshot has them; `None` if out of range.
     pub(crate) fn from_seconds(time: f32) -> Option<Self> {
         (0.0..=LONGEST).contains(&time).then_some(Self(time))
     }
@@ -31,7 +31,7 @@ impl DwellTime {
         self.0
     }
 
-    /// Counts a step of `dt` (s) at whose end the condition holds, or does not.
+    /// Counts a step of `dt` (s) if the condition holds at its end; else starts anew.
     pub(crate) fn count(&mut self, holds: bool, dt: f32) {
         self.0 = if holds { (self.0 + dt).min(LONGEST) } else { 0.0 };
     }
@@ -56,8 +56,8 @@ impl DwellTime {
     }
 }
 
-/// How far a body is from lying where it was put (s): time that is left of being put there, above zero; below it, time for which it must go on
-/// slowly across gravity before it counts as steady again.
+/// Timer of a body that a user places, as blocks of a tower are (s). Above zero it is what is left of the time for which the body counts as
+/// just placed (young); below zero, the time for which nothing in its island may go fast across gravity before it counts as steady again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Settling(f32);
 
@@ -65,7 +65,7 @@ impl Settling {
     /// Of a body that has just been made.
     pub(crate) const NEW: Self = Self(SETTLING_TIME);
 
-    /// What [`Self::seconds`] gave.
+    /// A timer from its [`seconds`](Self::seconds), as a snapshot has them; `None` if out of range.
     pub(crate) fn from_seconds(time: f32) -> Option<Self> {
         (-SETTLING_TIME..=SETTLING_TIME).contains(&time).then_some(Self(time))
     }
@@ -74,14 +74,14 @@ impl Settling {
         self.0
     }
 
-    /// The body has been put somewhere else.
+    /// Notes that the host has put the body somewhere else: a steady body is young again.
     pub(crate) fn put(&mut self) {
         if self.is_steady() {
             *self = Self::NEW;
         }
     }
 
-    /// Counts a step of `dt` (s), to the nearest, in which nothing in the body's island went fast across gravity, or something did.
+    /// Counts a step of `dt` (s) towards zero if all in the body's island is slow across gravity; else the full wait begins anew.
     pub(crate) fn count(&mut self, is_slow: bool, dt: f32) {
         self.0 = match is_slow {
             false => -SETTLING_TIME,
@@ -94,7 +94,7 @@ impl Settling {
         self.0 >= 0.0
     }
 
-    /// Whether it is being put where it is, steadily.
+    /// Whether it was made or placed of late, and nothing in its island has gone fast since.
     pub(crate) fn is_young(self) -> bool {
         self.0 > 0.0
     }

@@ -36,8 +36,8 @@ use crate::pose::Pose;
 const UNEXPLAINED: f32 = 0.75;
 
 /// Share of the greater of the two velocities that a jump is at least.
-/// Why: a second-order substep throws what is taut by ⅔ of a jump; of less than this it is as little as a step of first order is off by.
-/// What a host that rounds its poses leaves is far less. Test: tests/moved_anchors.rs
+/// Why: a second-order substep throws a taut chain by ⅔ of a jump. Of a smaller jump that is no more than the error of a first-order
+/// substep. A host that rounds its poses makes far smaller jumps. Test: tests/moved_anchors.rs
 const NOTICEABLE_SHARE: f32 = 0.1;
 
 /// Jump that is rounding of poses (m/s, rad/s).
@@ -60,8 +60,8 @@ pub(crate) struct KinematicPath {
 }
 
 impl KinematicPath {
-    /// Begins a step of this number and length `dt` (s), through which the body moves at this mean velocity; returns whether that begins with
-    /// a jump.
+    /// Begins step number `step` of length `dt` (s), in which the body moves at this mean velocity (linear and angular); finds the slope
+    /// within it. Returns whether the velocity jumps as the step begins.
     pub(crate) fn begin_step(&mut self, step: u64, dt: f32, velocity: [Vec3; 2]) -> bool {
         if self.step == step {
             // A body may be listed twice.

@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 use crate::check;
 use crate::error::Result;
 
-/// Give of a row of constraints: compliance (m/N or rad/(N·m)) and damping (N·s/m or N·m·s/rad).
+/// How a constraint row gives way: compliance (m/N or rad/(N·m)) and damping (N·s/m or N·m·s/rad).
 ///
 /// Zero compliance is rigid; damping then has nothing to act on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -17,7 +17,7 @@ pub struct Softness {
 }
 
 impl Softness {
-    /// No give at all.
+    /// Does not give way at all.
     pub const RIGID: Self = Self { compliance: 0.0, damping: 0.0 };
 
     pub(crate) fn check(&self, compliance: &'static str, damping: &'static str) -> Result<()> {
@@ -65,7 +65,7 @@ pub enum Motor {
         /// Greatest force or torque, may be infinite.
         max_force: f32,
     },
-    /// Pulls towards a value (m or rad) as a spring and damper with at most `max_force` (N or N·m).
+    /// Drives towards a value (m or rad) as a spring and damper with at most `max_force` (N or N·m).
     Position {
         /// Value to reach.
         target: f32,
@@ -74,24 +74,24 @@ pub enum Motor {
         /// Greatest force or torque, may be infinite.
         max_force: f32,
     },
-    /// Either of the two, with all that a motor can be told.
+    /// Either of the two, with all settings that a motor has.
     Drive(Drive),
 }
 
-/// Everything that a motor can be told.
+/// All settings of a motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// Value to reach (m or rad); `None` for a motor that holds `velocity` alone.
     pub target: Option<f32>,
-    /// Speed to hold (m/s or rad/s). Beside a target: the speed at which that moves. Damping acts on the difference to it, and the
-    /// target is where `target` says at the end of the step; set both before each step.
+    /// Speed to hold (m/s or rad/s). With a `target`, the speed at which the target moves: damping acts on the difference to it, and
+    /// `target` is where the target is at the end of the step. A host that moves a target sets both before each step.
     pub velocity: f32,
     /// Spring and damper towards `target`; rigid goes there as fast as force and speed allow.
     pub softness: Softness,
     /// Greatest force or torque, may be infinite.
     pub max_force: f32,
-    /// Greatest speed on the way to `target` (m/s or rad/s), may be infinite. A spring is held back to it, but does not brake what others
-    /// drive faster.
+    /// Greatest speed on the way to `target` (m/s or rad/s), may be infinite. A spring drives no faster than this, but does not brake a
+    /// coordinate that something else drives faster.
     pub max_speed: f32,
     /// Which way it may push.
     pub side: ForceSide,
@@ -120,19 +120,19 @@ impl Drive {
         Self { target: None, velocity, softness: Softness::RIGID, max_force, max_speed: f32::INFINITY, side: ForceSide::Both }
     }
 
-    /// Whether it pushes as hard as it takes, either way.
+    /// Whether its force has no bound, either way.
     pub(crate) fn is_unbounded(&self) -> bool {
         self.max_force == f32::INFINITY && self.side == ForceSide::Both
     }
 
-    /// Whether it is a spring that may be held back to a greatest speed, by a force with bounds.
+    /// Whether it is a spring with a greatest speed. Its row may then have bounds, even where `max_force` has none.
     pub(crate) fn may_be_slowed(&self) -> bool {
         self.softness.compliance > 0.0 && self.max_speed < f32::INFINITY
     }
 }
 
 impl Motor {
-    /// What it is told; `None` where it is off.
+    /// Its settings; `None` where it is off.
     pub fn drive(&self) -> Option<Drive> {
         match *self {
             Self::Off => None,
@@ -142,7 +142,7 @@ impl Motor {
         }
     }
 
-    /// Checks what it is told; errors say what it is by these names.
+    /// Checks its settings; errors call them by these names.
     pub(crate) fn check(&self, names: &MotorNames) -> Result<()> {
         let Some(drive) = self.drive() else { return Ok(()) };
         let is_velocity = matches!(self, Self::Velocity { .. });

@@ -19,11 +19,11 @@ use crate::shape_def::LsShapeDef;
 pub struct LsShapeDistance {
     /// The first shape; null if there is none.
     pub shape_a: LsShape,
-    /// The second shape; null where that is a solid of the host's.
+    /// The second shape; null from ls_world_nearest_shape_get, whose second shape is not one of the world's.
     pub shape_b: LsShape,
-    /// Nearest point of the first, or its deepest (m).
+    /// World position of the nearest point of the first, or of its deepest where they overlap (m).
     pub point_a: [f64; 3],
-    /// Nearest point of the second, or its deepest (m).
+    /// World position of the nearest point of the second, or of its deepest (m).
     pub point_b: [f64; 3],
     /// Distance (m); negative is the least depth by which they overlap.
     pub distance: f64,
@@ -74,8 +74,8 @@ impl LsShapeDistance {
     }
 }
 
-/// How far two shapes of a world are apart, or how deep they overlap. Sensors and shapes of one body count too. Of a mesh or a
-/// height field that is overlapped, it is the triangle that is overlapped deepest.
+/// How far two shapes of a world are apart, or how deep they overlap. Sensors and shapes of one body count too. Where a mesh
+/// or a height field is overlapped, the depth is that of the triangle that is overlapped deepest.
 ///
 /// @param world  the world; any value is safe
 /// @param a      the first; any value is safe

@@ -20,7 +20,7 @@ pub const LS_FORCE_PULL: i32 = 1;
 /// Which way a motor may push its coordinate: towards greater values alone, as a jack does.
 pub const LS_FORCE_PUSH: i32 = 2;
 
-/// Give of constraint rows. Acts as a physical spring and damper whatever the number of substeps and iterations.
+/// How constraint rows give way. Acts as a physical spring and damper whatever the number of substeps and iterations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct LsSoftness {
@@ -44,15 +44,15 @@ pub struct LsMotor {
     pub max_force: f32,
 }
 
-/// What more a motor can be told.
+/// Further settings of a motor, beside those of LsMotor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct LsDrive {
     /// LS_MOTOR_POSITION: speed at which its target moves (m/s or rad/s); default 0. Damping acts on the difference to it, and the target
     /// is where target says at the end of the step: set both before each step.
     pub target_velocity: f32,
-    /// LS_MOTOR_POSITION: greatest speed on the way to the target (m/s or rad/s), >= 0; default INFINITY. A spring is held back to it,
-    /// but does not brake what others drive faster.
+    /// LS_MOTOR_POSITION: greatest speed on the way to the target (m/s or rad/s), >= 0; default INFINITY. A spring drives no
+    /// faster than this, but does not brake a coordinate that something else drives faster.
     pub max_speed: f32,
     /// LS_FORCE_ constant: which way the motor may push; default LS_FORCE_BOTH.
     pub side: i32,
@@ -77,12 +77,12 @@ pub struct LsSphericalMotor {
 }
 
 impl LsDrive {
-    /// Nothing more. Not in the header: C has no infinity of this name.
+    /// No further settings. Not in the header: cbindgen cannot write an infinity for C.
     ///
     /// cbindgen:ignore
     pub const NONE: Self = Self { target_velocity: 0.0, max_speed: f32::INFINITY, side: LS_FORCE_BOTH, reserved: 0 };
 
-    /// What the motor of a joint is told beside what `LsMotor` says.
+    /// The settings of a joint's motor that `LsMotor` does not have.
     pub fn of(motor: &Motor) -> Self {
         let Motor::Drive(drive) = motor else { return Self::NONE };
         Self {
@@ -98,7 +98,7 @@ impl LsDrive {
     }
 }
 
-/// The motor of a joint's only coordinate with what more it is told.
+/// The motor of a joint with one coordinate, with its further settings.
 pub fn motor(motor: LsMotor, drive: LsDrive) -> Outcome<Motor> {
     driven(motor.try_into()?, drive).map_err(|failure| match failure {
         Failure::Refused(code, _, problem) => Failure::Refused(code, "motor_drive.side", problem),
@@ -106,7 +106,7 @@ pub fn motor(motor: LsMotor, drive: LsDrive) -> Outcome<Motor> {
     })
 }
 
-/// A motor with what more it is told.
+/// A motor with its further settings.
 pub fn driven(plain: Motor, drive: LsDrive) -> Outcome<Motor> {
     let side = match drive.side {
         LS_FORCE_BOTH => ForceSide::Both,

@@ -766,7 +766,7 @@ typedef struct LsBody {
     uint64_t id;
 } LsBody;
 
-/** Give of constraint rows. Acts as a physical spring and damper whatever the number of substeps and iterations. */
+/** How constraint rows give way. Acts as a physical spring and damper whatever the number of substeps and iterations. */
 typedef struct LsSoftness {
     /** Inverse stiffness (m/N or rad/(N m)), >= 0; 0 is rigid. */
     float compliance;
@@ -847,7 +847,7 @@ typedef struct LsStrength {
     float damage_half_life;
 } LsStrength;
 
-/** What more a motor can be told. */
+/** Further settings of a motor, beside those of LsMotor. */
 typedef struct LsDrive {
     /**
      * LS_MOTOR_POSITION: speed at which its target moves (m/s or rad/s); default 0. Damping acts on the difference to it, and the target
@@ -855,8 +855,8 @@ typedef struct LsDrive {
      */
     float target_velocity;
     /**
-     * LS_MOTOR_POSITION: greatest speed on the way to the target (m/s or rad/s), >= 0; default INFINITY. A spring is held back to it,
-     * but does not brake what others drive faster.
+     * LS_MOTOR_POSITION: greatest speed on the way to the target (m/s or rad/s), >= 0; default INFINITY. A spring drives no
+     * faster than this, but does not brake a coordinate that something else drives faster.
      */
     float max_speed;
     /** LS_FORCE_ constant: which way the motor may push; default LS_FORCE_BOTH. */
@@ -1459,11 +1459,11 @@ typedef struct LsCastHit {
 typedef struct LsShapeDistance {
     /** The first shape; null if there is none. */
     struct LsShape shape_a;
-    /** The second shape; null where that is a solid of the host's. */
+    /** The second shape; null from ls_world_nearest_shape_get, whose second shape is not one of the world's. */
     struct LsShape shape_b;
-    /** Nearest point of the first, or its deepest (m). */
+    /** World position of the nearest point of the first, or of its deepest where they overlap (m). */
     double point_a[3];
-    /** Nearest point of the second, or its deepest (m). */
+    /** World position of the nearest point of the second, or of its deepest (m). */
     double point_b[3];
     /** Distance (m); negative is the least depth by which they overlap. */
     double distance;
@@ -3139,8 +3139,8 @@ LsResult ls_world_cast_all(LsWorld world,
                            size_t *count);
 
 /**
- * How far two shapes of a world are apart, or how deep they overlap. Sensors and shapes of one body count too. Of a mesh or a
- * height field that is overlapped, it is the triangle that is overlapped deepest.
+ * How far two shapes of a world are apart, or how deep they overlap. Sensors and shapes of one body count too. Where a mesh
+ * or a height field is overlapped, the depth is that of the triangle that is overlapped deepest.
  *
  * @param world  the world; any value is safe
  * @param a      the first; any value is safe

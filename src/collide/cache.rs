@@ -259,7 +259,7 @@ impl PairCache {
         (self.active, self.gone_at) = (active, gone);
     }
 
-    /// Keeps the active pairs of which `fate` says so, which is told their keys and slots.
+    /// Calls `fate` with the key and slot of every active pair, in key order, and keeps, stores or releases the pair as it says.
     pub(crate) fn retain_active(&mut self, mut fate: impl FnMut(PairKey, u32) -> Fate) {
         self.settle();
         let mut active = std::mem::take(&mut self.active);

@@ -31,6 +31,7 @@ pub(super) struct Faces {
 }
 
 impl Faces {
+    /// Merges the triangles of a hull into faces: a flood fill from the largest triangle that no face has yet.
     pub(super) fn of(hull: &Triangulation) -> Self {
         let corner = |index: u32| hull.points[index as usize].as_dvec3();
         let normal_of = |[a, b, c]: [u32; 3]| (corner(b) - corner(a)).cross(corner(c) - corner(a));

@@ -1,39 +1,41 @@
 //! Joint meshes (sheets and lattices): sweeps along conjugate directions, continued until they converge.
 //!
-//! A sheet of n × n bodies is too much work for the direct solve, has no derived bounds, and needs some n² sweeps: what hangs below
-//! falls until the load has come up to what holds it. Left to two sweeps a substep, a net of 100 × 100 balls let go under seven
-//! that hold it fell for a second, tore its joints open by more than their levers, and what gaps there were then let on velocities
-//! whatever the sweeps did. So here sweeps are the preconditioner of a method that needs some n of them.
+//! A sheet of n × n bodies is too much work for the direct solve, has no derived bounds, and needs some n² sweeps: its lower part falls
+//! until the load has come up to what holds it. A net of 100 × 100 balls that hung by seven of them fell for a second under two sweeps
+//! a substep and tore its joints open by more than their levers; such gaps then made velocities that no further sweep took out. So here
+//! sweeps are the preconditioner of a method that needs some n of them.
 //!
-//! **What is least.** All rows here are equations. With v* the velocities that forces leave, λ the multipliers, b the biases of the
+//! **What is minimised.** All rows here are equations. With v* the velocities that forces leave, λ the multipliers, b the biases of the
 //! rows and v = v* + M⁻¹ Jᵀ λ, rows hold, J v + b = 0, where
 //!
 //! ```text
 //! F(λ) = ½ vᵀ M v + bᵀ λ
 //! ```
 //!
-//! is least: its gradient is J v + b. b is of second order, so F is all but the kinetic energy T, and what is left of an error is
-//! what T is greater by than it could be.
+//! is least: its gradient is J v + b. b is of second order, so F is nearly the kinetic energy T, and the error that is left is nearly the
+//! kinetic energy above the least.
 //!
-//! **Sweeps.** One to and one fro change (v, λ) by d, at which they would stop: a symmetric preconditioner applied to the gradient.
-//! With p the change before that, the next point is the least of F over both,
+//! **Sweeps.** A forward and a backward sweep change (v, λ) by d: that is a symmetric preconditioner applied to the gradient. With p the
+//! change before that, the next point is the least of F over both directions,
 //!
 //! ```text
 //! p ← α d + β p,    | dᵀM d   dᵀM p | | α |     | vᵀM d + bᵀ d |
 //!                   | dᵀM p   pᵀM p | | β | = − | vᵀM p + bᵀ p |,
 //! ```
 //!
-//! of velocities or multipliers as the factor before asks. On one system this is the method of conjugate gradients (Hestenes, Stiefel
-//! 1952; in this form, which does not trust what was computed before, Takahashi 1965); p is kept through the substeps of a step, as
-//! multipliers, while systems change. It is left once such a move lowers F by less than a share (`ENOUGH`) of the energy that forces
-//! add to the sheet at rest, or of what it has (`SHARE_OF_MOTION`).
+//! where d and p stand for changes of velocities beside M and for changes of multipliers beside b. On one system this is the
+//! method of conjugate gradients (Hestenes, Stiefel 1952; in this form, which does not trust what was computed before, Takahashi
+//! 1965). p goes on from substep to substep and from step to step, while systems change. Moves end once one lowers F by less than
+//! a share (`ENOUGH`) of the energy that forces add to the sheet at rest and of a share (`SHARE_OF_MOTION`) of the energy that it
+//! has.
 //!
-//! **Across steps** p is kept as multipliers, by the joints, and the velocities that it stands for are found anew from the rows of each
-//! substep. Only its line counts, so what is kept may be anything.
+//! **Between substeps** joints keep p as multipliers, and its velocities are computed anew from the rows of each substep. Any p is a valid
+//! direction, so a stale one costs sweeps and no accuracy.
 //!
-//! **Carried multipliers** λ₀ hold what load needs again, and what an error of the substep before needed once. The second is put on
-//! again and taken back: an error rings, as if the joints were springs. No more of λ₀ is taken than gives no energy: with w = M⁻¹ Jᵀ λ₀, T
-//! of v* + s w is least at s* = −v*ᵀ M w/(wᵀ M w) and what it was at 2 s*, and s = min(1, 2 s*). From there on F only falls.
+//! **Carried multipliers** λ₀ are those that the load needs again, plus those that took out an error of the last substep. Applying the
+//! second part again puts the error back with the other sign: it rings, as if the joints were springs. So λ₀ is scaled to add no energy:
+//! with w = M⁻¹ Jᵀ λ₀, T of v* + s w is least at s* = −v*ᵀ M w/(wᵀ M w), is back at its first value at 2 s*, and s = min(1, 2 s*). From
+//! there on F only falls.
 //!
 //! **Energy.** So T(v) is at most T(v*); but from rest, where v* = h a, that lets a whole sheet rise at h a/2 for ever, since
 //! T(−h a/2) = T(−h a/2 + h a). The work of forces in a substep is h aᵀ M (v₀ + v)/2, of the velocities v₀ before forces and v after all
@@ -44,10 +46,10 @@
 //! ```
 //!
 //! an equality where rows hold before and after. Where it fails, v is slowed to the share of it at which it holds. A sheet that nothing
-//! holds keeps its momentum instead.
+//! holds is not slowed: it keeps its momentum.
 //!
-//! **Positions** are mended by displacements δ with J δ = −C, C the errors that a substep begins with, of one sweep to and one fro over
-//! the same rows, added once bodies have moved. Velocities do not hear of it.
+//! **Position errors** C at the start of a substep are corrected by displacements δ with J δ = −C. One forward and one backward sweep over
+//! the same rows find δ, and it is added once bodies have moved. Velocities do not change.
 
 use glam::Vec3;
 
@@ -58,19 +60,20 @@ use crate::joint_graph::mesh::is_sheet;
 use crate::tight_vec::resize;
 use crate::workers::Workers;
 
-/// Moves in a substep at most: a sheet that is let go takes that many for some steps, one that hangs one to three.
+/// Most moves (a forward and a backward sweep each) in a substep: a sheet that is let go takes that many for some steps, one that hangs
+/// one to three.
 const MAX_MOVES: u32 = 16;
 
 /// Substeps that a sheet takes at least: in fewer it needs so many more moves that they take longer and leave more.
 const MIN_SUBSTEPS: u32 = 4;
 
-/// Share of the energy that forces add to the sheet at rest which a move has to be worth for another one.
+/// Share of the energy that forces add to the sheet at rest. A move that lowers F by less is the last one.
 const ENOUGH: f64 = 0.01;
 
 /// Share of the energy that the sheet has which counts as if forces had added it.
 const SHARE_OF_MOTION: f64 = 1.0e-4;
 
-/// Least share of dᵀM d · pᵀM p that is left of it where d and p are two lines.
+/// Determinant of the two by two system, over dᵀM d · pᵀM p, above which d and p count as linearly independent.
 const TWO_LINES: f64 = 1.0e-6;
 
 /// The sheet of a batch, if it is one.
@@ -78,9 +81,9 @@ const TWO_LINES: f64 = 1.0e-6;
 pub(crate) struct JointMesh {
     is_one: bool,
     search: BodyDirections,
-    /// What bodies are moved by where errors are taken out of positions, by slot.
+    /// Displacements δ of the bodies that correct position errors, by slot.
     pushes: Vec<BodyVelocity>,
-    /// Sums of the pieces that threads go through.
+    /// Buffer: a sum for each piece of the bodies that a thread takes.
     sums: Vec<[f64; 3]>,
 }
 
@@ -110,8 +113,8 @@ impl JointMesh {
         }
     }
 
-    /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added; says whether the energies of
-    /// those that it ends with have been found. `noted` are the velocities that it begins with.
+    /// Warm start and sweeps of a substep of length `h` (s), from velocities to which forces have been added; `noted` are those without
+    /// forces. Returns whether `batch.poses` has the kinetic energies of the velocities that it ends with.
     pub(crate) fn solve(&mut self, batch: &mut Batch, noted: &[BodyVelocity], threads: &Workers, h: f32) -> bool {
         let moving = batch.moving();
         let Self { search, sums, pushes, .. } = self;
@@ -161,13 +164,13 @@ impl JointMesh {
         free.is_empty() && !self.slow(batch, noted, threads, h, had)
     }
 
-    /// Takes errors out of positions, by displacements found when the substep began.
+    /// Corrects positions by the displacements found when the substep began.
     pub(crate) fn displace(&self, batch: &mut Batch, threads: &Workers) {
         batch.poses.displace(threads, &mut batch.motions, &self.pushes);
     }
 
-    /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add; says whether it had. Energies
-    /// are those before.
+    /// Slows the sheet where it has more energy than forces have given it: T(v − c) > T(v* − c), see the [module](self). `had` is T(v*).
+    /// Returns whether the sheet was slowed; `poses.energies` are then those before.
     fn slow(&mut self, batch: &mut Batch, noted: &[BodyVelocity], threads: &Workers, h: f32, had: f64) -> bool {
         let Self { sums, .. } = self;
         let Batch { poses, velocities, motions, .. } = batch;
@@ -192,7 +195,7 @@ impl JointMesh {
     }
 }
 
-/// Shares of d and p that F is least at, and what it falls by.
+/// Factors α of d and β of p at which F is least, and what it falls by.
 fn least(products: &Products, bias: [f64; 2]) -> ([f64; 2], f64) {
     let Products { dd, dp, pp, vd, vp } = *products;
     let (along_d, along_p) = (vd + bias[0], vp + bias[1]);
@@ -207,10 +210,10 @@ fn least(products: &Products, bias: [f64; 2]) -> ([f64; 2], f64) {
     (shares, -0.5 * (shares[0] * along_d + shares[1] * along_p))
 }
 
-/// Bodies that one thread goes through. Sums are those of pieces, so it must not depend on the number of threads.
+/// Bodies in a piece of work. Each piece has its own sum, so that the bits do not depend on the number of threads.
 const PIECE: usize = 512;
 
-/// Sums over the bodies that move, by slot; `sums` is a buffer.
+/// Sum of three numbers over the bodies that move; `sums` is a buffer.
 fn sum(
     threads: &Workers,
     sums: &mut Vec<[f64; 3]>,
@@ -227,15 +230,15 @@ fn sum(
 }
 
 impl Batch {
-    /// Has what is a sheet, as far as is known before its rows are laid out, take at least [`MIN_SUBSTEPS`] where it would take so many, or
-    /// half of them where it is smooth; returns how many it takes.
+    /// Raises the substeps of a sheet to at least [`MIN_SUBSTEPS`], or to half of that where its motion is smooth; returns how many the
+    /// batch takes. Rows are not laid out yet, so this goes by the lists of joints and manifolds.
     pub(crate) fn refine_sheet(&mut self, substeps: u32, is_smooth: impl FnOnce(&Self) -> bool) -> u32 {
         let is_one = is_sheet(self.joints.entries.len(), self.bodies.len() - 1)
             && self.islands.len() == 1
             && self.manifolds.ends.is_empty()
             && self.long_range.slots.is_empty()
             && self.planes.chains.is_empty();
-        // What takes several at once has as many as it needs.
+        // Islands that take several substeps at once (a stride above one) have as many as they need.
         if !is_one || self.stride > 1.0 || substeps >= MIN_SUBSTEPS {
             return substeps;
         }

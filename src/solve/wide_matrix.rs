@@ -8,11 +8,12 @@ use super::contact::Lane;
 use crate::lanes::wide::{Wide, Wide3};
 use crate::linalg::rotation32::{COSINE_TERMS, NEGLIGIBLE_WAY, SINE_TERMS};
 
-/// Determinant of a matrix without inverse, over the product of its diagonal: rounding of `f32` leaves as much of zero.
+/// Determinant, over the product of the diagonal, at or below which a matrix counts as singular: rounding of `f32` leaves as much of
+/// a determinant that is zero.
 pub(crate) const SINGULAR: f32 = 1.0e-7;
 
-/// Sum of the minors of a matrix of rank two at least, over the square of its trace: above what rounding of `f32` leaves of zero by so much
-/// that the inverse is good to some hundredths.
+/// Sum of the principal minors, over the square of the trace, above which a singular matrix counts as one of rank two: so far above
+/// what rounding of `f32` leaves of zero that the inverse is good to some hundredths.
 pub(crate) const RANK_TWO: f32 = 1.0e-6;
 
 /// A symmetric 3×3 matrix in each lane: xx, yy, zz, xy, xz, yz.
@@ -44,7 +45,7 @@ impl<W: Wide> Wide6<W> {
         Self([xx, yy, zz, W::splat(m.x_axis.y), W::splat(m.x_axis.z), W::splat(m.y_axis.z)])
     }
 
-    /// With these eigenvalues along these axes.
+    /// The matrix with these eigenvalues along these unit axes.
     #[inline(always)]
     pub fn with_axes(axes: &[Wide3<W>; 3], values: Wide3<W>) -> Self {
         let [a, b, c] = axes;
@@ -91,7 +92,7 @@ impl<W: Wide> Wide6<W> {
         Self([xx + d.x, yy + d.y, zz + d.z, xy, xz, yz])
     }
 
-    /// −[r]× M [r]×: M, an inverse inertia, as a point at `r` sees it.
+    /// −[r]× M [r]×: with M an inverse inertia, the turning part of the inverse effective mass of a point at `r`.
     #[inline(always)]
     pub fn seen_at(&self, r: Wide3<W>) -> Self {
         let [xx, yy, zz, xy, xz, yz] = self.0;
@@ -116,7 +117,7 @@ impl<W: Wide> Wide6<W> {
         Self([yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy, xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz])
     }
 
-    /// The inverse, or nothing where there is none.
+    /// The inverse; zero where the matrix is singular.
     #[inline(always)]
     pub fn inverse(&self) -> Self {
         let adjugate = self.adjugate();
@@ -127,8 +128,8 @@ impl<W: Wide> Wide6<W> {
         adjugate.scaled(W::select(is_regular, W::splat(1.0) / determinant, W::zero()))
     }
 
-    /// The inverse of a matrix of positive or zero eigenvalues on the directions in which it moves anything, zero on the others, as
-    /// `inverse_where_it_moves` of one joint.
+    /// The pseudo-inverse of a matrix without negative eigenvalues: the inverse on the directions in which bodies can move, zero on
+    /// those that locked axes take away. In lanes what `inverse_where_it_moves` in `joint/sweep.rs` is for one joint.
     #[inline(always)]
     pub fn inverse_where_it_moves(&self) -> Self {
         let inverse = self.inverse();
@@ -147,7 +148,7 @@ impl<W: Wide> Wide6<W> {
         Self::select(is_dropped, Self::select(is_of_two, of_two, of_one), inverse)
     }
 
-    /// The inverse on the directions across a unit vector, zero along it.
+    /// The inverse on the directions across a unit vector `n`, zero along it.
     ///
     /// With A = P M P of rank two, P being the projection across, A⁻¹ = (tr A P − A)/d there, d = (tr² A − tr A²)/2. Of rank one, where
     /// bodies with locked axes move in one direction alone, it is A/tr² A. Zero where A is so small that its square is below the normal
@@ -226,7 +227,7 @@ impl<W: Wide> WideQuat<W> {
         u + self.way_of(u)
     }
 
-    /// What the rotation moves a vector by.
+    /// The displacement of a vector's tip by the rotation, `rotate(u) − u`, without the rounding of that difference.
     #[inline(always)]
     pub fn way_of(&self, u: Wide3<W>) -> Wide3<W> {
         let side = self.v.cross(u);
@@ -239,13 +240,13 @@ impl<W: Wide> WideQuat<W> {
         Self { v: -self.v, w: self.w }
     }
 
-    /// This rotation after `first`.
+    /// This rotation after `first`: the product of the quaternions.
     #[inline(always)]
     pub fn after(&self, first: &Self) -> Self {
         Self { v: first.v * self.w + self.v * first.w + self.v.cross(first.v), w: self.w * first.w - self.v.dot(first.v) }
     }
 
-    /// Where it takes the three axes.
+    /// The three coordinate axes, rotated: columns of its matrix.
     #[inline(always)]
     pub fn axes(&self) -> [Wide3<W>; 3] {
         let (one, v, w) = (W::splat(1.0), self.v, self.w);
@@ -260,14 +261,14 @@ impl<W: Wide> WideQuat<W> {
         ]
     }
 
-    /// Of unit length.
+    /// The same quaternion at unit length.
     #[inline(always)]
     pub fn normalized(&self) -> Self {
         let scale = W::splat(1.0) / (self.v.dot(self.v) + self.w * self.w).sqrt();
         Self { v: self.v * scale, w: self.w * scale }
     }
 
-    /// Zero where a component is no greater than `least`.
+    /// The same with components no greater than `least` set to zero.
     #[inline(always)]
     pub fn settled(&self, least: f32) -> Self {
         Self { v: self.v.settled(least), w: W::select(self.w.abs().above(W::splat(least)), self.w, W::zero()) }
@@ -322,7 +323,7 @@ pub(crate) fn arc_over_sine<W: Wide>(s: W) -> W {
     W::select(s.above(W::splat(0.5)), far, near)
 }
 
-/// As [`rotated`](crate::linalg::rotation32::rotated), to the same bits.
+/// Does in lanes what [`rotated`](crate::linalg::rotation32::rotated) does, to the same bits.
 #[inline(always)]
 pub(crate) fn rotated_in_lanes<W: Wide>(rotation: &WideQuat<W>, vector: Wide3<W>) -> WideQuat<W> {
     let (one, half) = (W::splat(1.0), vector * W::splat(0.5));
@@ -335,7 +336,7 @@ pub(crate) fn rotated_in_lanes<W: Wide>(rotation: &WideQuat<W>, vector: Wide3<W>
         cosine = one - x * W::splat(term) * cosine;
     }
     let (v, w, u) = (half * sine_over_angle, cosine, rotation.v);
-    // In the order of the product of two `Quat`, which that of lanes is not.
+    // In the order in which glam multiplies two `Quat`: [`WideQuat::after`] adds in another one and gives other bits.
     let x = w * u.x + v.x * rotation.w + v.y * u.z - v.z * u.y;
     let y = w * u.y - v.x * u.z + v.y * rotation.w + v.z * u.x;
     let z = w * u.z + v.x * u.y - v.y * u.x + v.z * rotation.w;

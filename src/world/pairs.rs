@@ -147,6 +147,7 @@ impl World {
         index.reboxed.begin(colliders.slot_count());
     }
 
+    /// Looks up the neighbours of shapes whose boxes have changed, and makes a pair active of any two that may collide and have none.
     pub(super) fn add_new_pairs(&mut self) {
         let Self {
             collision: Collision { broad, pairs, index, .. }, colliders, bodies, joints, unions, scratch, threads, ..
@@ -172,7 +173,7 @@ impl World {
             candidates.sort_unstable();
             pairs.activate_new(candidates);
         }
-        // Most are found in the first step of all.
+        // The first step of a world finds most of its pairs; later ones do not need the room.
         give_back_room(candidates);
     }
 

@@ -1,4 +1,4 @@
-//! Reads unions.
+//! Queries about unions: which bodies rigid fixed joints make one, and how they move.
 
 use glam::{DVec3, Vec3};
 
@@ -33,7 +33,7 @@ pub struct UnionInfo {
 }
 
 impl World {
-    /// The union that a dynamic body belongs to; `None` for one that is none. Joints made or changed since the last step count
+    /// The union that a dynamic body belongs to; `None` for a body of no union. Joints made or changed since the last step count
     /// from the next one on, and until then their bodies belong to no union.
     ///
     /// # Errors
@@ -66,7 +66,7 @@ impl World {
             joints: union.fixed_links.len() as u32,
             mass: union.mass.mass,
             center: union.motion.center,
-            // What has fallen asleep is at rest.
+            // A sleeping body is at rest, whatever velocity it had when it fell asleep.
             linear_velocity: if lead.is_awake() { union.motion.linear } else { Vec3::ZERO },
             angular_velocity: if lead.is_awake() { union.motion.angular } else { Vec3::ZERO },
             anchored: union.anchor != Anchor::Free,

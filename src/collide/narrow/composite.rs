@@ -1,4 +1,4 @@
-//! Shapes of several parts: every part of one near the other is a convex pair of its own.
+//! Shapes of several parts: each pair of parts that are near each other is collided as a pair of convex parts.
 //!
 //! Parts are visited in the order of their ids, so that the result does not depend on how a tree was built.
 
@@ -10,7 +10,7 @@ use super::part::Part;
 use super::{Manifold, NarrowScratch, part_pairs};
 use crate::shape::{Geometry, Shape};
 
-/// Manifolds of every near pair of parts; appends to `out`.
+/// Appends the manifolds of every near pair of parts to `out`.
 pub(super) fn collide(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     if !relative.is_finite() {
         return;
@@ -80,7 +80,7 @@ pub(super) fn near_parts(shape: &Shape, bounds: Option<&Aabb>, ids: &mut Vec<u32
     ids.sort_unstable();
 }
 
-/// A part of `shape` and its place there.
+/// A part of `shape` and its pose in the shape's frame; a triangle is moved so that its centroid is the origin.
 pub(super) fn part_at(shape: &Shape, id: u32) -> Option<(Part<'_>, Pose3)> {
     let parry = shape.parry();
     if let Geometry::Compound { parts } = shape.geometry() {
@@ -100,8 +100,8 @@ pub(super) fn part_at(shape: &Shape, id: u32) -> Option<(Part<'_>, Pose3)> {
 
 /// Directions in which a triangle of a height field may push.
 ///
-/// parry3d lets the outermost triangles push sideways, as if the field were a slab, and what goes from one field onto the next would meet
-/// that side. The rim of a field pushes as that of an open mesh does: along the faces there.
+/// parry3d lets the outermost triangles push sideways, as if the field were a slab, and a body that goes from one field onto the next
+/// would hit that side. Here edges on the rim push along the normal of their triangle only, as those of an open mesh do.
 fn allowed_normals(field: &HeightField, id: u32) -> Option<TrianglePseudoNormals> {
     let mut allowed = field.triangle_normal_constraints(id)?;
     let (rows, columns) = (field.nrows() as u32, field.ncols() as u32);

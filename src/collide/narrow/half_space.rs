@@ -1,4 +1,4 @@
-//! A half-space against a part: the points of the part's lowest face, edge or point, each on its own distance to the plane.
+//! A half-space against a part: the points of the part's lowest face, edge or point, each with its own distance to the plane.
 
 use glam::Vec3;
 use parry3d::math::Pose3;
@@ -10,10 +10,10 @@ use super::part::Part;
 use super::reduce::{PointCandidate, reduce_into};
 use super::{Manifold, ManifoldPoint};
 
-/// Depths within this fraction of the part's reach count as equal.
+/// Separations that differ by less than this fraction of the part's reach count as equal.
 const TIE: f32 = 1.0e-4;
 
-/// Part B against half-space A, whose plane passes through the origin.
+/// Part B against half-space A, whose plane passes through the origin; `None` where they are further apart than `margin`.
 pub(super) fn half_space(normal: Vec3, part: &Part, relative: &Pose3, margin: f32, buffers: &mut Buffers) -> Option<Manifold> {
     let rounding = part.rounding();
     let down = relative.rotation.inverse() * -normal;
@@ -37,7 +37,7 @@ pub(super) fn half_space(normal: Vec3, part: &Part, relative: &Pose3, margin: f3
     match face::find(part, down, corners) {
         Feature::Edge => {
             let segment = Segment::between(corners[0].0, corners[1].0);
-            // One above the other, the higher of two points adds nothing.
+            // On a steep edge the upper end is far from the plane and adds nothing.
             let rise = down.dot(segment.half);
             let steep = 2.0 * rise * rise > segment.half.length_squared();
             for (s, &(at, id)) in [-1.0, 1.0].into_iter().zip(corners.iter()) {

@@ -1,11 +1,12 @@
 //! When two moving shapes first overlap, by conservative advancement (Mirtich 1996).
 //!
 //! With n the direction along which two convex parts are a distance s apart, s cannot shrink faster than their centres approach along
-//! n plus what both turn along n: |n × ω| times how far from a body's middle the two can meet. So nothing happens for s over that speed, and
-//! the search goes on from there. Over a straight path between convex parts s is a convex function of time: the steps are those of Newton's
-//! method from the safe side.
+//! n plus what both turn along n: |n × ω| times how far from a body's centre the two can meet. So they cannot touch before s divided by
+//! that speed, and the search goes on from there. Over a straight path between convex parts s is a convex function of time: the steps are
+//! those of Newton's method, and never pass the touch.
 //!
-//! What counts is an overlap of `depth`: surfaces that slide or roll on each other touch all along, and must not be stopped.
+//! A touch counts only if it leads to an overlap of `depth`: surfaces that slide or roll on each other touch all along, and must not be
+//! stopped.
 
 use glam::{DVec3, Quat, Vec3};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -15,10 +16,11 @@ use super::part::Part;
 use super::{composite, convex};
 use crate::shape::Shape;
 
-/// Searches for nearest points after which a pair of parts is taken to be where the last one found it.
+/// Most distance queries for one pair of parts; a pair that has not converged by then stops where it first came near,
+/// or else where the last query found it.
 const MAX_SEARCHES: u32 = 48;
 
-/// Share of the depth asked for that counts as that depth: the steps end just before it.
+/// Share of the depth asked for that counts as that depth: steps of conservative advancement end just before it.
 const DEEP_ENOUGH: f32 = 0.9;
 
 /// A body at a time: its centre of mass (m), and how it is turned.
@@ -31,13 +33,13 @@ pub(crate) struct BodyPose {
 impl BodyPose {
     pub(crate) const ORIGIN: Self = Self { center: DVec3::ZERO, rotation: Quat::IDENTITY };
 
-    /// In between, at a share of the way.
+    /// The pose between the two after this share of the way, 0 to 1.
     pub(crate) fn lerp(&self, to: &Self, share: f64) -> Self {
         Self { center: self.center.lerp(to.center, share), rotation: self.rotation.lerp(to.rotation, share as f32) }
     }
 }
 
-/// A body's way through a step, or the rest of one: straight.
+/// A body's path through a step, or through the rest of one: its centre goes straight, its quaternion is interpolated (nlerp).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BodyPath {
     pub start: BodyPose,
@@ -55,7 +57,7 @@ impl BodyPath {
         turn_between(&self.start, &self.end).length()
     }
 
-    /// How far what reaches so far from the centre of mass (m) swings out beside the two ends of the way.
+    /// How far a point at a distance of `reach` (m) from the centre of mass can swing out of the line between its two ends.
     pub(crate) fn bulge(&self, reach: f32) -> f32 {
         let turn = self.turning();
         reach * (0.125 * turn * turn).min(2.0)
@@ -72,13 +74,13 @@ pub(crate) struct MovingShape<'a> {
     pub reach: f32,
 }
 
-/// What counts as a touch.
+/// Distances that decide what counts as a touch.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
     /// Distance at which two shapes are near each other (m), and overlap in which they are deep in one another.
     pub short: f32,
     pub depth: f32,
-    /// Whether shapes that are deep in one another at the start may go on as they will; else they may go deeper by so much again.
+    /// Whether shapes that overlap by `depth` at the start are let through; if not, they may go deeper by another `depth`.
     pub passes_deep: bool,
 }
 
@@ -88,8 +90,8 @@ pub(crate) struct ImpactBuffer {
     parts: Vec<u32>,
 }
 
-/// Share of the way after which `a` is near `b` on a way that leads deep into it, if it does, and the direction from `a` to `b` then (unit
-/// vector, world axes).
+/// If the path of `a` leads deep into `b`: the share of the path after which it first comes near, and the direction from `a` to `b` then
+/// (unit vector, world axes).
 pub(crate) fn first_touch(a: &MovingShape, b: &MovingShape, limits: &Limits, buffer: &mut ImpactBuffer) -> Option<(f64, Vec3)> {
     let mut first: Option<(f64, Vec3)> = None;
     for id_a in 0..composite::part_count(a.shape) {
@@ -112,32 +114,32 @@ pub(crate) fn first_touch(a: &MovingShape, b: &MovingShape, limits: &Limits, buf
     first
 }
 
-/// Box, in the frame of `b`, that holds a part of `a` all along its way, `margin` (m) larger; none where no box of numbers does.
+/// Box in the frame of `b` that holds a part of `a` all along its path, enlarged by `margin` (m); `None` where it is not finite.
 fn path_bounds(part: &Part, place: &Pose3, a: &MovingShape, b: &MovingShape, margin: f32) -> Option<Aabb> {
     let [start, end] = [0.0, 1.0].map(|time| part.bounds(&(relative(b.pose_at(time), a.pose_at(time)) * *place)));
     let whole = start.merged(&end);
     // Between the two, a turn bulges the way by no more than the sagitta of its arc.
     let seen_from_b = whole.extents().length() + whole.center().length();
     let margin = margin + a.path.bulge(a.reach) + b.path.bulge(seen_from_b);
-    // Written so that what is no number has none.
+    // Written so that a NaN gives none.
     (0.0..f32::INFINITY).contains(&margin).then(|| whole.loosened(margin))
 }
 
-/// Greatest angular velocity between two poses, if the rotation goes evenly on the chord (rad over the stretch, world axes): along one axis, and
-/// 4 tan(θ/4) of a turn by θ, at most 4/π as fast as an even one.
+/// Greatest angular velocity between two poses where nlerp interpolates them (rad over the path, world axes). For a turn by θ it is
+/// 4 tan(θ/4) about one axis, at most 4/π times that of an even turn.
 fn turn_between(from: &BodyPose, to: &BodyPose) -> Vec3 {
     let between = to.rotation * from.rotation.conjugate();
     Vec3::new(between.x, between.y, between.z) * (4.0 / (1.0 + between.w.abs()))
 }
 
-/// Pose of one place in the frame of another.
+/// The second pose in the frame of the first.
 fn relative((position, rotation): (DVec3, Quat), (other_position, other_rotation): (DVec3, Quat)) -> Pose3 {
     let inverse = rotation.conjugate();
     Pose3::from_parts(inverse * (other_position - position).as_vec3(), inverse * other_rotation)
 }
 
 impl MovingShape<'_> {
-    /// How far the body turns on its way, if it goes evenly on chords (rad).
+    /// Greatest angular velocity of the body on its path (rad over the path).
     pub(crate) fn turning(&self) -> f32 {
         self.path.turning()
     }
@@ -157,8 +159,8 @@ struct MovingPart<'a> {
 }
 
 impl MovingPart<'_> {
-    /// Distance from the body's centre of mass to the farthest point of the part's core (m) that may meet another part on its way: what is
-    /// further off than that ever is does not count.
+    /// Distance from the body's centre of mass to the farthest point of the part's core (m) that may meet the other part. Points further
+    /// out than the other shape ever comes do not count.
     fn core_reach(&self, other: &Self) -> f32 {
         let center = self.on.place.0 + self.on.place.1 * self.place.translation;
         let whole = match self.part {
@@ -177,13 +179,13 @@ struct PartPair<'a> {
 }
 
 impl PartPair<'_> {
-    /// Share of the way after which the two are near each other, if they come deep into one another, and the direction from A to B then.
+    /// As the [`first_touch`] of two shapes.
     fn first_touch(&self, Limits { short, mut depth, passes_deep }: Limits) -> Option<(f64, Vec3)> {
         let [a, b] = [&self.a.on.path, &self.b.on.path];
         let closing = ((a.end.center - a.start.center) - (b.end.center - b.start.center)).as_vec3();
         let spins = [a, b].map(|path| turn_between(&path.start, &path.end));
         let reaches = [self.a.core_reach(&self.b), self.b.core_reach(&self.a)];
-        // Rates over the way, on which `gone` runs from 0 to 1.
+        // Speeds are over the path, on which `gone` runs from 0 to 1.
         let fastest = closing.length() + spins[0].length() * reaches[0] + spins[1].length() * reaches[1];
         let (mut gone, mut near_since, mut last) = (0.0, None, None);
         for _ in 0..MAX_SEARCHES {
@@ -206,13 +208,13 @@ impl PartPair<'_> {
             let turning = normal.cross(spins[0]).length() * reaches[0] + normal.cross(spins[1]).length() * reaches[1];
             let speed = normal.dot(closing) + turning;
             if speed * to_go <= separation - aim {
-                // From here on nothing brings them to what is aimed at.
+                // They cannot come as near as `aim` on the rest of the path.
                 return None;
             }
             gone += f64::from((separation - aim) / speed);
             last = Some((gone, normal));
         }
-        // Nobody knows what comes then: what turns fast close to another goes no further in this step.
+        // Not converged: a body that turns fast close to another goes no further in this step.
         near_since.or(last)
     }
 

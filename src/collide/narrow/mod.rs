@@ -1,10 +1,10 @@
 //! Contact manifolds between two shapes, as a pure function of the shapes and their relative pose.
 //!
 //! ```text
-//! collide ─┬─ a part against a part (part.rs) ─┬─ ball, capsule, box, the side of a cylinder: closed forms and clipping
-//!          │                                   ├─ half-space: the points nearest to its plane
-//!          │                                   ├─ triangle against ball, box: parry3d (triangle.rs)
-//!          │                                   └─ the rest: GJK, EPA, clipping (convex.rs)
+//! collide ─┬─ a part against a part (part_pairs.rs) ─┬─ ball, capsule, box, the side of a cylinder: closed forms and clipping
+//!          │                                         ├─ half-space: the points nearest to its plane
+//!          │                                         ├─ triangle against ball, box: parry3d (triangle.rs)
+//!          │                                         └─ the rest: GJK, EPA, clipping (convex.rs)
 //!          └─ composite.rs: parts of compounds, triangles of meshes and height fields near the other shape
 //! ```
 //!

@@ -1,4 +1,4 @@
-//! What the kernels share: the bodies of a block in lanes, and its normal rows.
+//! What all contact kernels use: access to the manifolds of a block, one manifold to a lane, and the normal rows.
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
@@ -8,7 +8,7 @@ use super::super::contact_block::{ContactBlock, MaterialRows, MultiPointRows, Po
 use super::super::state::BodyMotion;
 use crate::lanes::wide::{Wide, Wide3};
 
-/// Sweeps over the 4×4 matrix of a manifold within one visit.
+/// Gauss–Seidel sweeps over the 4×4 matrix of a manifold each time that an outer sweep comes to it.
 const INNER_SWEEPS: usize = 4;
 
 /// One number for each point of each manifold.
@@ -37,16 +37,16 @@ pub(super) trait BlockManifolds {
     fn block_mut(&mut self) -> &mut ContactBlock;
     fn rows(&self, point: usize) -> &PointRows;
     fn rows_mut(&mut self, point: usize) -> &mut PointRows;
-    /// What manifolds of more than one point have.
+    /// The rows that only manifolds of more than one point have.
     fn face_mut(&mut self) -> Option<&mut MultiPointRows>;
 
-    /// Row about the normal, if there is one: of manifolds of one point where the material has it.
+    /// Row of torsional friction, about the normal. A manifold of one point has it only where the material asks for it.
     fn twist<'a>(&'a mut self, extra: Option<&'a mut MaterialRows>) -> Option<&'a mut TwistRow>;
 
-    /// Levers of the middle, where friction acts.
+    /// Levers of the manifold's centre, where friction acts.
     fn centers<W: Wide>(&self) -> (Wide3<W>, Wide3<W>);
 
-    /// Multipliers λ ≥ 0, from `residual` = J v + b at the multipliers `old`.
+    /// New multipliers λ ≥ 0, given `residual` = J v + b at the multipliers `old`.
     fn solve<W: Wide>(&self, residual: PerPoint<W>, old: &PerPoint<W>) -> PerPoint<W>;
 }
 
@@ -143,9 +143,9 @@ impl BlockManifolds for Faced<'_> {
         (Wide3::load(&self.1.center_a), Wide3::load(&self.1.center_b))
     }
 
-    /// Where all points press, the regularised inverse gives them at once, but for a thousandth that the next sweep finds. Elsewhere
-    /// projected Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and
-    /// tall columns buckle.
+    /// Where all points press, one product with the regularised inverse gives all multipliers, to a thousandth that the next sweep
+    /// corrects. Where a point would pull, projected Gauss–Seidel on the manifold's own matrix takes over. Inner sweeps alone are too
+    /// few: they leave the load of a face uneven, and tall columns buckle.
     #[inline(always)]
     fn solve<W: Wide>(&self, mut residual: PerPoint<W>, old: &PerPoint<W>) -> PerPoint<W> {
         let zero = W::zero();
@@ -178,7 +178,8 @@ impl BlockManifolds for Faced<'_> {
     }
 }
 
-/// Calls a kernel generic over the manifolds of a block, whose face is among those after the first so many.
+/// Calls a kernel with a block as [`Faced`] or [`Single`]. `$faces` holds the extra rows of faces from number `$before` on; a block
+/// whose face is not among them has manifolds of one point.
 macro_rules! of_block {
     ($kernel:ident::<$wide:ty>($block:expr, ($faces:expr, $before:expr) $(, $rest:expr)*)) => {
         match $faces.get_mut($block.face.wrapping_sub($before) as usize) {
@@ -245,7 +246,7 @@ pub(super) fn normal_rates<W: Wide, M: BlockManifolds>(
     rates
 }
 
-/// λ − (A + ε)⁻¹ residual, and where that asks some point to pull.
+/// λ − (A + ε)⁻¹ residual, cut off at zero, and the lanes where it was negative: there some point would have to pull.
 #[inline(always)]
 fn regular_solution<W: Wide>(face: &MultiPointRows, residual: &PerPoint<W>, lambda: &PerPoint<W>) -> (PerPoint<W>, W::Mask) {
     let [b00, b11, b22, b33, b01, b02, b03, b12, b13, b23] = load_all::<W, 10>(&face.inverse);
@@ -255,13 +256,13 @@ fn regular_solution<W: Wide>(face: &MultiPointRows, residual: &PerPoint<W>, lamb
     for i in 0..POINTS {
         let new = lambda[i] - product(&inverse[i], residual);
         least = least.min(new);
-        // Of what is no number this makes zero.
+        // A NaN becomes zero.
         pressing[i] = new.max(zero);
     }
     (pressing, zero.above(least))
 }
 
-/// Applies the difference of two sets of normal multipliers.
+/// Applies the change from `old` to `new` normal multipliers to the velocities.
 #[inline(always)]
 pub(super) fn push_apart<W: Wide, M: BlockManifolds>(
     of: &M,

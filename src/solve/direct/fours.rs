@@ -1,4 +1,4 @@
-//! Vectors, rotations and symmetric matrices of four bodies side by side, `f64`, in [`registers`](super::registers).
+//! Vectors, rotations and symmetric matrices of four bodies side by side in `f64`: each component is a [`Four`], one lane to a body.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -70,7 +70,7 @@ impl<F: Four> Vec3x4<F> {
         Self { x: F::load(&kept.x.0), y: F::load(&kept.y.0), z: F::load(&kept.z.0) }
     }
 
-    /// That of each body.
+    /// The vector of each body.
     #[inline(always)]
     pub(super) fn each(self) -> [DVec3; 4] {
         let [a, b, c, d] = F::transpose([self.x, self.y, self.z, self.z]);
@@ -96,7 +96,7 @@ impl<F: Four> Vec3x4<F> {
         Self { x: F::select(mask, then.x, other.x), y: F::select(mask, then.y, other.y), z: F::select(mask, then.z, other.z) }
     }
 
-    /// None longer than `most`.
+    /// The same vectors, shortened to a length of `most` where they are longer.
     #[inline(always)]
     pub(super) fn clamp_length(self, most: f64) -> Self {
         let square = self.dot(self);
@@ -147,7 +147,7 @@ impl<F: Four> Quatx4<F> {
         Self { v: Vec3x4::load(&kept.v), w: F::load(&kept.w.0) }
     }
 
-    /// That of each body.
+    /// The rotation of each body.
     #[inline(always)]
     pub(super) fn each(self) -> [DQuat; 4] {
         let [a, b, c, d] = F::transpose([self.v.x, self.v.y, self.v.z, self.w]);
@@ -160,7 +160,7 @@ impl<F: Four> Quatx4<F> {
         Self { v: Vec3x4 { x: zero - self.v.x, y: zero - self.v.y, z: zero - self.v.z }, w: self.w }
     }
 
-    /// The vector in the frame that is turned so.
+    /// The vector turned by the rotation.
     #[inline(always)]
     pub(super) fn rotate(self, v: Vec3x4<F>) -> Vec3x4<F> {
         let twice = self.v.cross(v) * F::splat(2.0);
@@ -190,7 +190,8 @@ impl<F: Four> Quatx4<F> {
         Self { v: product.v * share, w: product.w * share }
     }
 
-    /// The rotation vectors (rad), and where they are right: 2 asin(s)/s to rounding of `f32`, of rotations by less than 3.6°.
+    /// Rotation vectors of small rotations (rad), and a mask of the lanes where they are valid: turns by less than 3.6°, for which the
+    /// series of 2 asin(s)/s is exact to rounding of `f32`.
     #[inline(always)]
     pub(super) fn small_vector(self) -> (Vec3x4<F>, F::Mask) {
         let square = self.v.dot(self.v);
@@ -200,7 +201,7 @@ impl<F: Four> Quatx4<F> {
         (self.v * sign, square.below(F::splat(SMALL_SQUARE)))
     }
 
-    /// A D Aᵀ, with A the matrix of the rotation.
+    /// A D Aᵀ, with A the matrix of the rotation and D diagonal: principal moments of inertia in world axes.
     #[inline(always)]
     pub(super) fn turn_diagonal(self, d: Vec3x4<F>) -> Sym3x4<F> {
         let Self { v: Vec3x4 { x, y, z }, w } = self;
@@ -247,7 +248,7 @@ impl<F: Four> Sym3x4<F> {
         }
     }
 
-    /// That of each body.
+    /// The matrix of each body.
     #[inline(always)]
     pub(super) fn each(self) -> [DMat3; 4] {
         let Self { xx, yy, zz, xy, xz, yz } = self;
@@ -270,7 +271,7 @@ impl<F: Four> Sym3x4<F> {
         }
     }
 
-    /// Adds a share of another.
+    /// This matrix plus `share` times another.
     #[inline(always)]
     pub(super) fn plus(self, other: Self, share: F) -> Self {
         Self {
@@ -283,13 +284,13 @@ impl<F: Four> Sym3x4<F> {
         }
     }
 
-    /// Adds a multiple of the unit matrix.
+    /// This matrix plus `by` times the unit matrix.
     #[inline(always)]
     pub(super) fn shifted(self, by: F) -> Self {
         Self { xx: self.xx + by, yy: self.yy + by, zz: self.zz + by, ..self }
     }
 
-    /// With rows and columns scaled.
+    /// B A B, with A this matrix and B the diagonal matrix of `by`.
     #[inline(always)]
     pub(super) fn scaled(self, by: Vec3x4<F>) -> Self {
         Self {
@@ -331,7 +332,7 @@ impl<F: Four> Sym3x4<F> {
     }
 }
 
-/// A matrix of its nine numbers, column by column.
+/// A matrix from its nine numbers, column by column.
 #[inline(always)]
 fn matrix(first: Lanes, second: Lanes, last: f64) -> DMat3 {
     let ([a, b, c, d], [e, f, g, h]) = (first, second);

@@ -155,6 +155,8 @@ impl System {
         self.nodes.push(SystemNode { bodies, first, last: self.rows.len() as u32 });
     }
 
+    /// Adds a row for each of the first `count` axes of a block that holds a point or a direction; `row_along` gives the Jacobian and the
+    /// origin of the row along an axis.
     fn add_block(
         &mut self,
         block: &rows::BlockRow,
@@ -216,7 +218,8 @@ impl System {
         self.has_pushed = false;
     }
 
-    /// Makes the rows of a joint ask for displacements that take out these errors, `scalars` as in a projection.
+    /// Sets the biases of a joint's rows to these position errors, so that the next solve finds the displacements that correct them;
+    /// `scalars` are its scalar rows as a projection makes them, with errors for biases.
     pub(super) fn take_errors(&mut self, node: usize, point: DVec3, direction: DVec3, scalars: &[rows::ScalarRow]) {
         let node = &self.nodes[node];
         for row in &mut self.rows[node.first as usize..node.last as usize] {
@@ -225,6 +228,7 @@ impl System {
                 Origin::Direction => row.angular[1].dot(direction),
                 Origin::Scalar(id) => {
                     let found = scalars.iter().find(|scalar| scalar.id == id && scalar.acts);
+                    // A stop in the system corrects an overrun, and does not pull the joint onto itself from a distance.
                     let is_held = row.state == RowState::Free && row.min == 0.0;
                     found.map_or(0.0, |scalar| if is_held { scalar.bias.min(0.0) } else { scalar.bias })
                 }

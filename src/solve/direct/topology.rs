@@ -75,7 +75,9 @@ pub(crate) struct Topology {
 }
 
 impl Topology {
-    /// Couples all joints that share a moving body; `room` is that for rows of contacts.
+    /// Couples all joints that share a moving body, and chooses the order of elimination. `None` where a factorisation would take too
+    /// much work: more is allowed if the user has `asked` for the direct solver. `room` is the number of contact rows that each node has
+    /// room for.
     pub(super) fn derive(links: &[NodeBodies], room: &[u32], bodies: usize, asked: bool) -> Option<Self> {
         let mut at_body: Vec<Vec<(u32, u8)>> = vec![Vec::new(); bodies];
         for (node, link) in links.iter().enumerate() {

@@ -4,22 +4,23 @@
 //! min_v ½ vᵀ M̂ v − vᵀ(M v* + ½ K (v₀ + v̄)) + Σ ψ(J_c v)    subject to    J_j v + ε (λ − λ̄) = −b,      M̂ = M + K
 //! ```
 //!
-//! M is the mass of the bodies with their damping, K the positive part of their geometric stiffness times the square of the substep's
-//! length ([`stiffness`](super::stiffness)), v₀ the velocity that they had, v̄ that of what goes steadily round a drum, v* the one that forces
-//! give them. ε of a rigid row is a
-//! billionth of what answers to it: rows that repeat one another share their load.
+//! M is the mass of the bodies with their damping, and K the positive part of their geometric stiffness times the square of the
+//! substep's length ([`stiffness`](super::stiffness)). v₀ is the velocity at the start of the substep, v* the one that forces make of
+//! it, and v̄ the velocity of bodies that go steadily round a drum, zero for others. J_j are the rows of joints that always hold, with
+//! multipliers λ; J_c are those of the terms, which have bounds, and ψ is their energy ([`term`](super::term)). ε of a rigid row is a
+//! billionth of its J M⁻¹ Jᵀ, so that redundant rows share their load.
 
 use super::elimination::Elimination;
 use super::factor::{Factor, Vector, dot};
 use super::term::{FIXED, Term};
 
-/// ε over J M⁻¹ Jᵀ. From 1e-7 to 1e-9 nothing changes; at 1e-5 a scissor lift sinks by 50 mm, at 1e-11 rows that repeat one another make
+/// ε over J M⁻¹ Jᵀ. From 1e-7 to 1e-9 nothing changes; at 1e-5 a scissor lift sinks by 50 mm, at 1e-11 redundant rows make
 /// noise of metres a second.
 pub(super) const PROXIMITY: f64 = 1.0e-9;
 
-/// Share of K v₀ on the right: 0 is backward Euler, at 1 next to nothing is lost and what swings fast rings on. The rest is K times the
-/// steady velocity of what goes round a drum: a rope that runs is not held back by what keeps its links from swinging. Of what a contact
-/// resists rolling with, the rest acts on how bodies turn alone.
+/// Share of K v₀ on the right-hand side. 0 is backward Euler; at 1 hardly any energy is lost and fast oscillations ring on. The rest of
+/// K acts on the steady velocity of bodies that go round a drum, so that what damps the swinging of a rope's links does not hold back a
+/// rope that runs. Of the stiffness with which a contact resists rolling, the rest acts on angular velocities alone.
 const RIGHT_SHARE: f64 = 0.5;
 
 /// Mass of one body with its damping, and the stiffness of its rotation.
@@ -29,7 +30,7 @@ pub(crate) struct BodyMass {
     /// By columns, symmetric.
     pub angular: [[f64; 3]; 3],
     pub stiffness: [[f64; 3]; 3],
-    /// How fast it turns where it goes steadily round what it presses on (rad/s).
+    /// Angular velocity where the body goes steadily round what it presses on (rad/s).
     pub steady: [f64; 3],
 }
 
@@ -38,7 +39,7 @@ pub(crate) struct BodyMass {
 pub(crate) struct JointBlock {
     pub bodies: [u32; 2],
     pub rows: usize,
-    /// Rows of motors whose force has no bound, as bits.
+    /// Bit mask of the rows of motors whose force has no bound.
     pub boundless: u8,
     /// By side and row.
     pub jacobian: [[Vector; 6]; 2],
@@ -74,11 +75,11 @@ pub(crate) struct Stiff {
     pub bodies: [u32; 2],
     pub jacobian: [Vector; 2],
     pub gain: f64,
-    /// J v where its body goes steadily round another, if it is what a contact resists rolling with.
+    /// J v of a body that goes steadily round another, for the stiffness with which a contact resists rolling; `None` for any other.
     pub steady: Option<f64>,
 }
 
-/// Room for a solve.
+/// Buffers of a solve.
 #[derive(Debug, Default)]
 pub(super) struct Room {
     pub(super) gradient: Vec<Vector>,
@@ -96,11 +97,11 @@ pub(super) struct Room {
     pub(super) residual: Vec<Vector>,
 }
 
-/// One substep's problem, and room to solve it.
+/// One substep's problem, and the buffers to solve it.
 #[derive(Debug, Default)]
 pub(crate) struct Problem {
     pub masses: Vec<BodyMass>,
-    /// v₀, v* and the velocity that is looked for.
+    /// v₀, v* and the solution v.
     pub before: Vec<Vector>,
     pub free: Vec<Vector>,
     pub velocity: Vec<Vector>,
@@ -113,7 +114,7 @@ pub(crate) struct Problem {
     pub(super) drive: Vec<Vector>,
     pub(super) unknowns: Vec<Vector>,
     pub(super) room: Room,
-    /// Whether the factor is that of the terms as they are.
+    /// Whether the terms or the matrix have changed since the factorisation.
     pub(super) is_stale: bool,
     /// Inverse inertia of each body, with its damping.
     pub(super) inverses: Vec<glam::DMat3>,
@@ -122,7 +123,7 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    /// Begins a substep's problem with so many bodies.
+    /// Empties the problem, for the next substep to fill.
     pub(crate) fn clear(&mut self) {
         self.masses.clear();
         self.before.clear();
@@ -133,7 +134,7 @@ impl Problem {
         self.stiff.clear();
     }
 
-    /// Prepares the first solve: how readily rows answer, and the right-hand side.
+    /// Prepares the first solve: J M⁻¹ Jᵀ of each row, from which ε follows, and the right-hand side.
     pub(crate) fn begin(&mut self) {
         let Self { links, terms, masses, inverses, .. } = self;
         inverses.clear();
@@ -153,7 +154,7 @@ impl Problem {
         self.find_drive();
     }
 
-    /// Takes the impulses that have been found as those from which stiffness follows.
+    /// Makes the impulses just found the expected ones λ̄ of the next solve; a term that gives has none.
     pub(crate) fn note_impulses(&mut self) {
         for term in &mut self.terms {
             term.expected = if term.give > 0.0 { [0.0; 2] } else { term.impulse };
@@ -180,8 +181,8 @@ impl Problem {
                 push_along(stiff.bodies, jacobian, stiff.gain * RIGHT_SHARE * had, drive);
                 continue;
             };
-            // What turns otherwise than it would going steadily round is damped by a torque. No force holds it back on its way: what does
-            // not go round, as the deck under a wheel, rolls as far as it would.
+            // A torque damps what differs from turning steadily. A force would also hold back a body that goes round nothing, such as
+            // the deck under a wheel.
             push_along(stiff.bodies, jacobian, stiff.gain * had, drive);
             let about = stiff.jacobian.map(|row| [0.0, 0.0, 0.0, row[3], row[4], row[5]]);
             push_along(stiff.bodies, [&about[0], &about[1]], stiff.gain * (1.0 - RIGHT_SHARE) * (steady - had), drive);
@@ -218,7 +219,7 @@ impl Problem {
             for row in 0..link.rows {
                 block[row][row] -= link.give[row] + link.proximity[row];
             }
-            // Rows that it has at other times, and nothing acts on now.
+            // Rows that the joint has at other times, not in this substep.
             for row in link.rows..usize::from(structure.sizes[node as usize]) {
                 block[row][row] = -1.0;
             }
@@ -254,7 +255,7 @@ impl Problem {
         }
     }
 
-    /// −b − J v + ε λ̄ of each joint, for the steps of the solve, into the unknowns after those of bodies.
+    /// Appends −b − J v + ε λ̄ of each joint, the right-hand side of its rows, to that of the bodies in `unknowns`.
     pub(super) fn ask_links(links: &[JointBlock], velocity: Option<&[Vector]>, unknowns: &mut Vec<Vector>) {
         unknowns.extend(links.iter().map(|link| {
             let mut asked = [0.0; 6];
@@ -266,7 +267,7 @@ impl Problem {
         }));
     }
 
-    /// Has rows that always hold give way with this compliance, over their own response.
+    /// Gives each joint row at least this compliance, over its own J M⁻¹ Jᵀ.
     pub(super) fn give_way(&mut self, give: f64) {
         for link in &mut self.links {
             for row in 0..link.rows {
@@ -275,7 +276,7 @@ impl Problem {
         }
     }
 
-    /// Greatest speed at which rigid rows have been left to part (m/s, rad/s); infinite where the velocity is no number.
+    /// Greatest |J v + b| left on a rigid row (m/s, rad/s); infinite where a velocity is not finite.
     pub(crate) fn strain(&self) -> f64 {
         if !self.velocity.iter().flatten().all(|value| value.is_finite()) {
             return f64::INFINITY;
@@ -290,13 +291,13 @@ impl Problem {
         self.links.iter().map(of_link).fold(0.0, f64::max)
     }
 
-    /// Sets the multipliers of all joints aside.
+    /// Copies the multipliers of all joints to `saved`.
     pub(super) fn save_impulses(links: &[JointBlock], saved: &mut Vec<Vector>) {
         saved.clear();
         saved.extend(links.iter().map(|link| link.impulse));
     }
 
-    /// Takes them back.
+    /// Restores the multipliers that [`save_impulses`](Self::save_impulses) has copied.
     pub(super) fn restore_impulses(links: &mut [JointBlock], saved: &[Vector]) {
         links.iter_mut().zip(saved).for_each(|(link, saved)| link.impulse = *saved);
     }
@@ -311,7 +312,7 @@ impl Problem {
 }
 
 impl BodyMass {
-    /// Trace of the inertia with which the body answers.
+    /// Trace of inertia plus stiffness of rotation.
     pub(crate) fn trace(&self) -> f64 {
         (0..3).map(|i| self.angular[i][i] + self.stiffness[i][i]).sum()
     }
@@ -327,7 +328,7 @@ impl BodyMass {
     }
 }
 
-/// Answers of bodies to pushes.
+/// Inverse masses of the bodies.
 #[derive(Clone, Copy)]
 pub(super) struct Inverses<'a> {
     pub masses: &'a [BodyMass],

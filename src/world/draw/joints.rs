@@ -1,4 +1,4 @@
-//! Draws joints: frames, limits, loads.
+//! Draws joints for the debug view: frames, limits, loads.
 
 use std::f32::consts::PI;
 
@@ -11,14 +11,14 @@ use crate::joint::{JointKind, Limits};
 use crate::joint_record::Joint;
 use crate::world::World;
 
-/// Radius of the arc of an angle's limits, and half the length of a mark across a sliding joint, in marks.
+/// Radius of the arc of an angle's limits, and half the length of a mark across a sliding joint, over the size of a mark.
 const LIMIT_SIZE: f32 = 2.0;
 const STOP_SIZE: f32 = 0.5;
 
 /// Rim lines of a swing limit's cone.
 const CONE_LINES: u32 = 16;
 
-/// A joint's two points and A's frame, in the world.
+/// Both sides of a joint in the world: centre of mass of the body if there is one, anchor point and joint frame.
 struct Sides {
     centers: [Option<DVec3>; 2],
     points: [DVec3; 2],
@@ -104,7 +104,7 @@ fn draw_angle(pen: &mut Pen, world: &dyn Fn(Vec3) -> DVec3, limits: Limits, size
     if !limits.min.is_finite() && !limits.max.is_finite() {
         return;
     }
-    // A full circle where they are a turn apart, or only one is there.
+    // A full circle where the limits are a turn or more apart, or only one is finite.
     let (min, max) = if limits.max - limits.min < 2.0 * PI { (limits.min, limits.max) } else { (-PI, PI) };
     arc_from(Vec3::ZERO, (Vec3::Y, Vec3::Z), size, (min, max), &mut |from, to| pen.line(world(from), world(to), Color::MAGENTA));
     for stop in [limits.min, limits.max].into_iter().filter(|stop| stop.is_finite()) {
@@ -127,7 +127,7 @@ fn draw_cone(pen: &mut Pen, world: &dyn Fn(Vec3) -> DVec3, half_angle: f32, size
     }
 }
 
-/// The way between two stops, with a mark across it at each.
+/// The line between two stops, with a mark across it at each.
 fn draw_slide(pen: &mut Pen, world: &dyn Fn(Vec3) -> DVec3, limits: Limits) {
     let stops = [limits.min, limits.max];
     let half = Vec3::Y * (pen.options.mark_size * STOP_SIZE);

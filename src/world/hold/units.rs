@@ -139,7 +139,8 @@ impl World {
         self.report.counts.bodies_held += held.iter().map(|unit| unit.bodies.len() as u32).sum::<u32>();
     }
 
-    /// Lets go of units of which something has been released, or no longer moves; whether there are any.
+    /// Releases each unit whole of which a body has been released, is in no island any more or has joined a union; returns whether it
+    /// has released any body.
     fn drop_changed_units(&mut self, units: &mut Units) -> bool {
         let Self { bodies, islands: Islands { summaries, .. }, collision: Collision { index, .. }, unions, .. } = self;
         let mut some_are = false;

@@ -1,4 +1,4 @@
-//! Wrapped bounds of a batch: those whose chain lies on something.
+//! Wraps the bounds of a batch whose chain lies on something fixed, such as a drum.
 
 use super::BatchInput;
 use crate::solve::batch::Batch;
@@ -7,8 +7,8 @@ use crate::solve::wrapped_bound::{Waypoint, WrapEntry};
 use crate::tuning::bounds::{MIN_WRAPPED, STRAIGHT_SHARE};
 
 impl BatchInput<'_> {
-    /// Notes what of the batch touches something fixed, or is no farther from it than gravity closes within the step, if any bound may
-    /// be wrapped.
+    /// Lists the bodies of the batch that touch something fixed, or are no farther from it than gravity closes within the step. Does
+    /// nothing if no bound is long enough to be wrapped.
     pub(super) fn find_touches(&self, batch: &mut Batch) {
         let inner = |&slot: &u32| self.bounds[slot as usize].bound.inner;
         if batch.long_range.slots.iter().map(inner).any(|(first, end)| end - first >= MIN_WRAPPED) {
@@ -17,7 +17,8 @@ impl BatchInput<'_> {
         }
     }
 
-    /// Wraps a bound that is far from straight around what its chain is pressed against; says whether there is anything.
+    /// Wraps a bound around what its chain is pressed against, unless the bound is nearly straight or gives way; returns whether it has
+    /// been wrapped.
     pub(super) fn wrap(&self, batch: &mut Batch, slot: u32, [near, far]: [&JointEnd; 2]) -> bool {
         let record = &self.bounds[slot as usize];
         let (first, end) = record.bound.inner;
@@ -31,7 +32,7 @@ impl BatchInput<'_> {
         }
         batch.long_range.wraps.waypoints.clear();
         let mut before = near.slot;
-        // They are listed from the far end.
+        // Inner joints are listed from the far end, waypoints from the near one.
         for inner in (first..end).rev() {
             let at = &self.span.inner[inner as usize];
             let own = self.joint_end(batch, at.end.link, at.end.side as usize);
