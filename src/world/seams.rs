@@ -9,6 +9,8 @@
 //! * e lies on J, on its rim, or on a third shape that is flush with J there;
 //! * e does not press as that face does: it is an edge, or a side;
 //! * K does not rise above that plane behind e, as a wall or a step would, and nothing else is there: what lies against a side of J makes it none.
+//!
+//! Points along the normal of one edge are left out together: some of them may lie over the face behind it.
 
 use glam::{DVec3, Vec3};
 
@@ -88,13 +90,14 @@ struct GlidePoint {
 pub(super) struct Seams {
     glides: Vec<Glide>,
     points: Vec<GlidePoint>,
+    corners: narrow::Corners,
 }
 
 impl World {
     /// Leaves out contacts with the edges of flush neighbours of what a body moves over.
     pub(super) fn leave_out_seams(&mut self) {
         let Self { collision: Collision { pairs, index, .. }, colliders, scratch, .. } = self;
-        let Seams { glides, points } = &mut scratch.seams;
+        let Seams { glides, points, corners } = &mut scratch.seams;
         glides.clear();
         scratch.glides.iter_mut().for_each(|found| glides.append(found));
         glides.sort_unstable();
@@ -103,47 +106,21 @@ impl World {
             if !is_at_seam {
                 continue;
             }
+            let ground = StaticSurface { colliders, index };
             points.clear();
             for glide in glides {
-                list_points(glide, pairs.get(glide.slot), colliders, index, points);
+                ground.list_points(glide, pairs.get(glide.slot), corners, points);
             }
-            let ground = StaticSurface { colliders, index };
-            for e in points.iter().filter(|e| points.iter().any(|f| ground.carries(f, e, points))) {
-                let extent = index.least_extent(pairs.get(e.slot).key);
-                pairs.get_mut(e.slot).leave_out(e.number, e.point, extent);
+            for manifold in points.chunk_by(|a, b| (a.slot, a.number) == (b.slot, b.number)) {
+                let is_carried = |e: &GlidePoint| points.iter().any(|f| ground.carries(f, e, points));
+                let is_edge = !ground.is_face(&manifold[0]);
+                let goes = is_edge && manifold.iter().any(is_carried);
+                for e in manifold.iter().filter(|e| goes || is_carried(e)) {
+                    let extent = index.least_extent(pairs.get(e.slot).key);
+                    pairs.get_mut(e.slot).leave_out(e.number, e.point, extent);
+                }
             }
         }
-    }
-}
-
-/// Appends the points of a pair.
-fn list_points(
-    glide: &Glide,
-    pair: &Pair,
-    colliders: &Pool<Collider, ShapeId>,
-    index: &BodyShapeTable,
-    points: &mut Vec<GlidePoint>,
-) {
-    let (a, b) = glide.key.shapes();
-    let shape = glide.still();
-    let (collider_state, sign) = (index.collider_state(shape), if glide.is_second { 1.0 } else { -1.0 });
-    let turn_a = index.collider_state(a).rotation;
-    let flush = FLUSH * index.least_extent(glide.key);
-    for (number, manifold) in pair.manifolds.iter().enumerate() {
-        let parts = narrow::parts_of(&colliders[b].shape, manifold.part);
-        let normal = turn_a * manifold.normal * sign;
-        points.extend(manifold.points.iter().enumerate().map(|(point, place)| GlidePoint {
-            slot: glide.slot,
-            number,
-            point,
-            shape,
-            part: parts[usize::from(!glide.is_second)],
-            at: collider_state.position
-                + (collider_state.rotation * if glide.is_second { place.on_a } else { place.on_b }).as_dvec3(),
-            normal,
-            separation: place.separation,
-            flush,
-        }));
     }
 }
 
@@ -154,6 +131,43 @@ struct StaticSurface<'a> {
 }
 
 impl StaticSurface<'_> {
+    /// Appends the points of a pair.
+    fn list_points(&self, glide: &Glide, pair: &Pair, corners: &mut narrow::Corners, points: &mut Vec<GlidePoint>) {
+        let Self { colliders, index } = self;
+        let (a, b) = glide.key.shapes();
+        let shape = glide.still();
+        let (collider_state, sign) = (index.collider_state(shape), if glide.is_second { 1.0 } else { -1.0 });
+        let turn_a = index.collider_state(a).rotation;
+        let flush = FLUSH * index.least_extent(glide.key);
+        for (number, manifold) in pair.manifolds.iter().enumerate() {
+            let part = narrow::parts_of(&colliders[b].shape, manifold.part)[usize::from(!glide.is_second)];
+            let of = |normal: Vec3, point: usize, at: Vec3, separation: f32| GlidePoint {
+                slot: glide.slot,
+                number,
+                point,
+                shape,
+                part,
+                at: collider_state.position + (collider_state.rotation * at).as_dvec3(),
+                normal: turn_a * normal * sign,
+                separation,
+                flush,
+            };
+            let on_still = |on_a: Vec3, on_b: Vec3| if glide.is_second { on_a } else { on_b };
+            let places = manifold.points.iter().enumerate();
+            points.extend(places.map(|(i, place)| of(manifold.normal, i, on_still(place.on_a, place.on_b), place.separation)));
+            let first = points.len() - manifold.points.len();
+            if self.is_face(&points[first]) {
+                continue;
+            }
+            let [shape_a, shape_b] = [a, b].map(|shape| &colliders[shape]);
+            let relative = shape_a.relative(shape_b);
+            let edge = narrow::nearest_edge(&shape_a.shape, &shape_b.shape, manifold.part, &relative, manifold.normal, corners);
+            if let Some(edge) = edge {
+                points[first] = of(edge.normal, 0, on_still(edge.on_a, edge.on_b), points[first].separation);
+            }
+        }
+    }
+
     /// Whether the surface at `f` carries what moves so that it does not meet `e`; `points` are all of what moves.
     fn carries(&self, f: &GlidePoint, e: &GlidePoint, points: &[GlidePoint]) -> bool {
         let is_same = f.shape == e.shape && (f.part == e.part || !self.colliders[e.shape].shape.is_compound());

@@ -196,7 +196,7 @@ impl ConvexPair<'_> {
     }
 
     /// Whether the parts are as far apart along the normal as the points are.
-    fn is_sound(&self, gap: &ConvexGap) -> bool {
+    pub(super) fn is_sound(&self, gap: &ConvexGap) -> bool {
         let promised = gap.distance();
         let kept = self.along(gap.normal).distance();
         (gap.normal.length_squared() - 1.0).abs() < SLACK.0 && (kept - promised).abs() <= self.slack(promised)

@@ -1,4 +1,4 @@
-//! A ball or a capsule against the side of a cylinder, in closed form: what lies on a drum, a wheel or a pipe.
+//! A ball or a capsule against the side of a cylinder, in closed form: what lies on a drum, a wheel or a pipe; and edges against it.
 //!
 //! Where the point of a segment that is nearest to the cylinder's axis lies between the ends of the cylinder and outside it, it is
 //! the nearest to the cylinder too, for the cylinder is a part of the infinite one. The normal is radial there, exact to rounding. An
@@ -14,6 +14,15 @@ use super::{Manifold, ManifoldPoint};
 
 /// Squared sine of a segment's angle to the axis below which all of its points are as near to it as its middle.
 const PARALLEL: f32 = 1.0e-10;
+
+/// Cosine between a normal and an edge up to which they are at right angles: rounding of an edge some hundred radii long.
+const SQUARE: f32 = 1.0e-5;
+
+/// Squared sine of the angle between an edge and a rim from which on they cross.
+const CROSSING: f32 = 0.01;
+
+/// Most steps along an edge; four are enough for most.
+const MAX_STEPS: u32 = 16;
 
 /// A core of `radius` around the segment `core` (one point where `half` is zero) against the side of cylinder A (half height and
 /// radius, m); none where it is not the side that the core is nearest to.
@@ -49,6 +58,64 @@ pub(super) fn side_core(a: (f32, f32), core: &Segment, radius: f32, relative: &P
         None => manifold.push(place((foot + Vec3::Y * nearest.y, nearest), LONE)),
     }
     Some((manifold.count > 0).then_some(manifold))
+}
+
+/// What of a cylinder and an edge is nearest to each other.
+pub(super) struct NearEdge {
+    /// From the cylinder to the edge.
+    pub normal: Vec3,
+    pub on_cylinder: Vec3,
+    pub on_edge: Vec3,
+}
+
+/// The point of an edge that is nearest to the side or the rim of a cylinder (half height and radius, m); none where that is nearest to an end
+/// face, in the rim's overlap, or on the axis.
+///
+/// It is that nearest to the axis, if this is beside the cylinder. Else it lies between there and where the edge comes to be beyond the rim: with
+/// q = ρ − r and p = |y| − h, the distance D = √(q² + p²) is convex along the edge, and Newton's method finds its least value: q″ = (u² − q′²)/ρ
+/// with u across the axis, D″ = (q′² + q q″ + p′² − D′²)/D.
+pub(super) fn nearest_on_edge((half_height, radius): (f32, f32), edge: &Segment) -> Option<NearEdge> {
+    let along = edge.half;
+    let of_axis = nearest_to_axis(edge);
+    let at = edge.at(of_axis);
+    let rim = half_height.copysign(at.y);
+    if at.y.abs() <= half_height {
+        let normal = Vec3::new(at.x, 0.0, at.z).try_normalize()?;
+        let on_cylinder = normal * radius + Vec3::Y * at.y;
+        return Some(NearEdge { normal, on_cylinder, on_edge: at });
+    }
+    let of_rim = if along.y == 0.0 { of_axis } else { ((rim - edge.center.y) / along.y).clamp(-1.0, 1.0) };
+    let (mut low, mut high) = (of_axis.min(of_rim), of_axis.max(of_rim));
+    let (mut s, mut steps) = (of_rim, 0);
+    loop {
+        let at = edge.at(s);
+        let across = Vec3::new(at.x, 0.0, at.z);
+        let axis_distance = across.length();
+        let (beyond, over) = (axis_distance - radius, at.y - rim);
+        // Written so that a NaN is none.
+        let is_outside = beyond > 0.0;
+        if !is_outside {
+            return None;
+        }
+        let outward = across / axis_distance;
+        let offset = outward * beyond + Vec3::Y * over;
+        let distance = offset.length();
+        let normal = offset / distance;
+        let (slope, widens) = (normal.dot(along), outward.dot(along));
+        let bend = (along.x * along.x + along.z * along.z - widens * widens) / axis_distance;
+        let curvature = (widens * widens + beyond * bend + along.y * along.y - slope * slope) / distance;
+        (low, high) = if slope > 0.0 { (low, s) } else { (s, high) };
+        let next = (s - slope / curvature).clamp(low, high);
+        let is_found = slope.abs() <= SQUARE * along.length() || next == s || steps == MAX_STEPS;
+        if is_found {
+            // What is square to the edge and to the rim does not suffer from how little they are apart.
+            let square = along.cross(Vec3::Y.cross(outward));
+            let is_crossing = s.abs() < 1.0 && square.length_squared() > CROSSING * along.length_squared();
+            let normal = if is_crossing { square.normalize() * 1.0_f32.copysign(square.dot(offset)) } else { normal };
+            return Some(NearEdge { normal, on_cylinder: at - offset, on_edge: at });
+        }
+        (s, steps) = (if next == low || next == high { 0.5 * (low + high) } else { next }, steps + 1);
+    }
 }
 
 /// Where on the segment the distance to the y axis is least.
@@ -95,6 +162,33 @@ mod tests {
         for (point, y) in manifold.contacts().iter().zip([0.35, 0.5]) {
             assert!((point.on_a - Vec3::new(0.0, y, 1.0)).length() < 1e-6, "point {}", point.on_a);
             assert!(point.separation.abs() < 1e-6, "{} m", point.separation);
+        }
+    }
+
+    /// Edges at all angles to the axis and to the side, near and far, against a search in small steps in `f64`.
+    #[test]
+    fn the_nearest_point_of_an_edge_is_exact() {
+        let distance = |at: Vec3| {
+            let at = at.as_dvec3();
+            let (beyond, over) = ((at.x * at.x + at.z * at.z).sqrt() - 1.0, (at.y.abs() - 0.5).max(0.0));
+            if over > 0.0 { beyond.hypot(over) } else { beyond }
+        };
+        for turn in [0.0, 1.0e-6, 1.0e-4, 3.0e-3, 0.1, 0.4, 1.2, 1.57] {
+            for (height, clearance, shift) in
+                [0.0, 0.3, 0.499, 0.6].into_iter().flat_map(|y| [(y, 1.0e-4, 0.0), (y, 2.0e-3, 0.8), (y, 0.2, -0.6)])
+            {
+                let along = Quat::from_rotation_x(turn) * Vec3::Y;
+                let center = Vec3::new(1.0 + clearance, height, 0.0) + along * shift;
+                let edge = Segment { center, half: along };
+                let found = nearest_on_edge(DRUM, &edge).expect("an edge outside");
+                let least = (-4000..=4000).map(|i| distance(edge.at(i as f32 / 4000.0))).fold(f64::INFINITY, f64::min);
+                let what =
+                    format!("turned by {turn}, {clearance} m off at {height} m, shifted by {shift} m: {:?}", found.on_edge);
+                assert!(distance(found.on_edge) < least + 1.0e-6, "{what}: {} m, least {least} m", distance(found.on_edge));
+                let way = (found.on_edge - found.on_cylinder).length();
+                assert!((f64::from(way) - distance(found.on_edge)).abs() < 1.0e-6, "{what}: {way} m");
+                assert!((found.on_cylinder + found.normal * way - found.on_edge).length() < 1.0e-6, "{what}: {}", found.normal);
+            }
         }
     }
 

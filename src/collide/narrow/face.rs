@@ -73,6 +73,16 @@ pub(super) fn find(part: &Part, direction: Vec3, corners: &mut Vec<Corner>) -> F
     }
 }
 
+/// The ends of the edges of the face of a box or hull that faces `direction` (unit, in the part's frame); fills `corners`. What triangles of a
+/// surface meet with an edge, their neighbours say.
+pub(super) fn edges(part: &Part, direction: Vec3, corners: &mut Vec<Corner>) -> Option<impl Iterator<Item = [Vec3; 2]>> {
+    let has_edges = matches!(part, Part::Box { .. } | Part::Hull(_));
+    has_edges.then(|| {
+        find(part, direction, corners);
+        corners.iter().zip(corners.iter().cycle().skip(1)).map(|(from, to)| [from.0, to.0])
+    })
+}
+
 fn box_face(half: Vec3, direction: Vec3, corners: &mut Vec<Corner>) -> Feature {
     let facing = direction.abs();
     let axis = (1..3).fold(0, |best, i| if facing[i] > facing[best] { i } else { best });

@@ -16,6 +16,8 @@ use parry3d::math::Pose3;
 
 use crate::shape::{Geometry, Shape};
 
+pub(crate) use near_edge::{Corners, nearest_edge};
+
 mod ball;
 mod box_box;
 mod capsule;
@@ -30,6 +32,7 @@ mod face;
 mod half_space;
 pub(crate) mod impact;
 mod known_face;
+mod near_edge;
 mod part;
 mod part_pairs;
 mod plane;
