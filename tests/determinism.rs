@@ -86,7 +86,7 @@ fn heap(threads: u32, jobs: Option<Arc<dyn ParallelFor>>) -> u64 {
 #[test]
 fn any_job_system_and_any_number_of_threads_give_one_island_the_same_bits() {
     let one = heap(1, None);
-    for threads in [2, 3, 7] {
+    for threads in [2, 7] {
         assert_eq!(heap(threads, None), one, "state hashes on {threads} threads and on one");
     }
     assert_eq!(heap(1, Some(Arc::new(Inline))), one, "state hashes with all parts inline, backwards, and on one thread");
