@@ -26,7 +26,7 @@ fn what_hangs_and_spans_keeps_its_promise_at_other_rates_and_sizes() {
 }
 
 #[test]
-fn machines_keep_their_promise_at_other_rates_and_sizes() {
+fn ropes_on_drums_loops_and_motors_keep_their_promise_at_other_rates_and_sizes() {
     keep(&JOINTS[JOINTS.len() / 2..]);
 }
 
