@@ -125,7 +125,8 @@ pub struct ArticulationReport {
 #[repr(i32)]
 pub enum IslandPlan {
     /// Joints meet contacts, or close a loop and bear more than a substep resolves, or bodies without joints lean on one another in a row, as
-    /// stones of an arch, or stand on each other on what moves or bear their load aside: all of it is one problem.
+    /// stones of an arch, or at rest with few contacts, as cards of a house, or stand on each other on what moves or bear their load aside: all of
+    /// it is one problem.
     Coupled,
     /// No joint is in it: contacts are swept.
     #[default]

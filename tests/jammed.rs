@@ -86,7 +86,7 @@ fn wind_up(rate: f32, weight: f32) -> [f64; 2] {
 
 /// A box that turns at 20 rad/s winds up 4 m of chain with 100 kg, which comes to hang in its own turns. It can give them no more
 /// than they have when they turn with it stretched out. How they come to hang is chaotic, so weights that differ by 10 g are tried. Of 24
-/// runs at 60 steps a second eight had a gap of 5 to 47 cm for a moment, at 120 one of 2 cm; of 15 later three had. Of seven, three may. The middle energy of twelve
+/// runs at 60 steps a second eight had a gap of 5 to 47 cm for a moment, at 120 one of 2 cm; of 15 later three had. Of nine, four may. The middle energy of twelve
 /// at 240 steps a second was 0.6 to 1.8 once; of two sets a day apart it was 1.98 and 2.00, each between 1.7 and 2.3 but for one.
 fn winds_up_without_throwing(rate: f32, runs: u8) {
     let weights = (0..runs).map(|number| 100.0 + 0.01 * f32::from(number));
@@ -107,17 +107,17 @@ fn winds_up_without_throwing(rate: f32, runs: u8) {
 
 #[test]
 fn a_chain_that_a_driven_box_winds_up_is_not_thrown_about() {
-    winds_up_without_throwing(60.0, 7);
+    winds_up_without_throwing(60.0, 9);
 }
 
 #[test]
 fn a_chain_that_a_driven_box_winds_up_is_not_thrown_about_at_120() {
-    winds_up_without_throwing(120.0, 3);
+    winds_up_without_throwing(120.0, 5);
 }
 
 #[test]
 fn a_chain_that_a_driven_box_winds_up_is_not_thrown_about_at_240() {
-    winds_up_without_throwing(240.0, 3);
+    winds_up_without_throwing(240.0, 5);
 }
 
 /// Greatest rise of the energy of a tonne at the end of a chain over a post, that begins so much higher (m), as a share of its fall's.

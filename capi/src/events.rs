@@ -61,7 +61,8 @@ pub struct LsArticulation {
 }
 
 /// Plan of an island: joints meet contacts, or close a loop and bear more than a substep resolves, or bodies without joints lean on one another
-/// in a row, as stones of an arch, or stand on each other on what moves or bear their load aside: all of it is one problem.
+/// in a row, as stones of an arch, or at rest with few contacts, as cards of a house, or stand on each other on what moves or bear their
+/// load aside: all of it is one problem.
 pub const LS_PLAN_COUPLED: i32 = 0;
 /// Plan of an island: no joint is in it: contacts are swept.
 pub const LS_PLAN_LOOSE: i32 = 1;

@@ -278,8 +278,9 @@ impl Batch {
 
     /// Whether bodies without joints may be solved as one: contacts are formed then.
     pub(crate) fn may_hold_rows(&mut self) -> bool {
-        let end = self.moving() as u32 + 1;
-        self.newton.may_hold_rows(&self.islands, end, self.manifolds.ends.iter().map(|ends| [ends.a, ends.b]))
+        let end = self.moving() + 1;
+        let bodies = (&self.velocities[..end], &self.motions[..end]);
+        self.newton.may_hold_rows(&self.islands, bodies, self.manifolds.ends.iter().map(|ends| [ends.a, ends.b]))
     }
 
     /// Block and lane of the manifold with this number; none where an articulation holds it.

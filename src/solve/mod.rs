@@ -38,6 +38,7 @@ pub(crate) mod plane;
 mod recovery;
 mod rotation;
 pub(crate) mod slides;
+mod stances;
 pub(crate) mod state;
 pub(crate) mod step;
 pub(crate) mod taut_line;

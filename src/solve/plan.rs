@@ -7,10 +7,11 @@ use super::contact::ContactInput;
 use super::direct::stiffness::IMPLICIT_RANGE;
 use super::direct::{FRICTION_ROWS, MAX_MANIFOLDS, MAX_RIDERS, are_few};
 use super::joint::JointLink;
+use super::stances::{Stances, Standing};
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::report::IslandPlan;
 use crate::settings::Solver;
-use crate::tuning::plan::{ALIKE, ASIDE, HEAVY, LEANING, STANDS, TALL};
+use crate::tuning::plan::{ALIKE, HEAVY, LEANING, RESTING, SPARSE, TALL};
 
 /// Multiplications that a factorisation takes for each body at least: those of a link at the end of a chain, held at one point.
 const LEAST_WORK: u64 = 567;
@@ -45,16 +46,18 @@ struct BorneTraits {
     is_heavy: bool,
 }
 
-/// What is known of bodies that may stand on or lean on one another in a row, without joints.
+/// What is known of bodies without joints that touch one another.
 #[derive(Debug, Clone, Copy, Default)]
-struct RowTraits {
-    /// Those that lean on others by their sides alone.
-    leaning: u32,
+struct LooseTraits {
+    /// What they stand on and lean against, where that is asked for.
+    standing: Standing,
     /// Whether any touches something that the host moves, and something that it turns.
     is_carried: bool,
     is_turned: bool,
-    /// Whether a contact bears its load aside of its middle.
-    is_uneven: bool,
+    /// Whether any contact has pressed.
+    is_pressed: bool,
+    /// Whether all were put where they are and are at rest against one another, with few contacts.
+    rests: bool,
 }
 
 /// What is known of an island.
@@ -66,7 +69,7 @@ struct IslandTraits {
     joints: u32,
     /// Groups of two bodies and more that joints connect, of what may be a heap.
     articulations: u32,
-    row: RowTraits,
+    loose: LooseTraits,
     is_swept: bool,
     /// Whether joints close a loop, through what does not move or without it.
     is_looped: bool,
@@ -104,8 +107,7 @@ pub(crate) struct Planner {
     /// The same where joints with what does not move count for nothing, and how many bodies each has.
     grouped: Vec<u32>,
     sizes: Vec<u32>,
-    /// Whether each body of a row touches anything, and whether it stands on something.
-    stances: Vec<[bool; 2]>,
+    stances: Stances,
 }
 
 impl Planner {
@@ -174,12 +176,21 @@ impl Planner {
             }
         }
         count_articulations(looks, links, motions, island_of, (grouped, sizes));
-        for look in looks.iter_mut().filter(|look| look.is_row()) {
-            let slots = look.first..look.first + look.bodies;
-            look.row.is_uneven = contacts
-                .iter()
-                .any(|contact| [contact.a, contact.b].iter().any(|slot| slots.contains(slot)) && is_aside(contact));
-            look.row.leaning = count_leaning(slots, contacts, settings.gravity, stances);
+        for look in looks.iter_mut().filter(|look| look.joints == 0) {
+            let slots = look.first as usize..(look.first + look.bodies) as usize;
+            // What falls together rests against one another, too.
+            let may_bear = look.loose.is_pressed || is_slow(&velocities[slots.start], Vec3::ZERO);
+            look.loose.rests = may_bear && rests_sparsely(&velocities[slots.clone()], &motions[slots], look.borne.contacts);
+        }
+        if looks.iter().any(IslandTraits::asks_for_stances) {
+            let asks = |contact: &&ContactInput| {
+                island_of([contact.a, contact.b]).is_some_and(|number| looks[number].asks_for_stances())
+            };
+            stances.find(motions.len(), contacts.iter().filter(asks), settings.gravity);
+            for look in looks.iter_mut().filter(|look| look.asks_for_stances()) {
+                look.loose.standing = stances.of(look.first..look.first + look.bodies);
+                look.most_work = most_work(settings, look.leans_at_rest());
+            }
         }
         plans.clear();
         plans.extend(looks.iter().map(IslandTraits::plan));
@@ -192,7 +203,13 @@ impl Planner {
     }
 
     /// Whether any island may be one that is not swept, though it has no joints; `contacts` are the slots of each contact's bodies.
-    pub(crate) fn may_hold_rows(&mut self, firsts: &[u32], end: u32, contacts: impl Iterator<Item = [u32; 2]>) -> bool {
+    pub(crate) fn may_hold_rows(
+        &mut self,
+        firsts: &[u32],
+        (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
+        contacts: impl Iterator<Item = [u32; 2]>,
+    ) -> bool {
+        let end = velocities.len() as u32;
         let Self { sizes, .. } = self;
         sizes.clear();
         sizes.resize(firsts.len(), 0);
@@ -204,7 +221,10 @@ impl Planner {
             }
         }
         let ends = firsts.iter().skip(1).copied().chain([end]);
-        firsts.iter().zip(ends).zip(sizes).any(|((&first, end), &mut contacts)| is_row(end - first, contacts))
+        firsts.iter().zip(ends).zip(sizes).any(|((&first, end), &mut contacts)| {
+            let slots = first as usize..end as usize;
+            is_row(end - first, contacts) || rests_sparsely(&velocities[slots.clone()], &motions[slots], contacts)
+        })
     }
 
     /// First slot, bodies, joints and plan of each island that has joints, or is solved as one without.
@@ -252,9 +272,10 @@ impl IslandTraits {
         self.borne.rows += contact.count as u64 + u64::from(FRICTION_ROWS);
         self.borne.is_more |= !ends.iter().any(|motion| is_loose(motion)) || !ends.iter().all(|motion| motion.is_dynamic());
         for slot in [contact.a, contact.b].map(|slot| slot as usize).into_iter().filter(|&slot| !motions[slot].is_dynamic()) {
-            self.row.is_carried |= velocities[slot].linear != Vec3::ZERO;
-            self.row.is_turned |= velocities[slot].angular != Vec3::ZERO;
+            self.loose.is_carried |= velocities[slot].linear != Vec3::ZERO;
+            self.loose.is_turned |= velocities[slot].angular != Vec3::ZERO;
         }
+        self.loose.is_pressed |= contact.presses();
         let is_driven = ends.iter().any(|motion| motion.driven);
         if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, velocities, settings) {
             return;
@@ -285,12 +306,22 @@ impl IslandTraits {
         self.joints == 0 && is_row(self.bodies, self.borne.contacts)
     }
 
+    /// Whether what its bodies stand on, or lean against, is asked for.
+    fn asks_for_stances(&self) -> bool {
+        self.joints == 0 && (self.loose.rests || self.is_row())
+    }
+
+    /// Whether it is at rest and leans, so that sweeps let it slide and sink. Like rows, not on what turns.
+    fn leans_at_rest(&self) -> bool {
+        self.joints == 0 && self.loose.rests && !self.loose.is_turned && self.loose.standing.leaning >= LEANING
+    }
+
     /// Whether it is a row that sweeps do not hold up: it leans, what it bears would turn it over, or may so at any time, as its ground moves. On
     /// what turns sweeps follow the ground's turn within a step, as one problem does not.
     fn is_row_to_solve(&self) -> bool {
-        let may_tip = (TALL[0]..=TALL[1]).contains(&self.bodies) && !self.row.is_turned;
-        let would_tip = may_tip && (self.row.is_carried || self.row.is_uneven);
-        self.is_row() && (would_tip || self.row.leaning >= LEANING)
+        let may_tip = (TALL[0]..=TALL[1]).contains(&self.bodies) && !self.loose.is_turned;
+        let would_tip = may_tip && (self.loose.is_carried || self.loose.standing.is_uneven);
+        self.is_row() && (would_tip || self.loose.standing.sideways >= LEANING)
     }
 
     /// Whether the least and the greatest mass are within [`ALIKE`], and joints do more than hold points together.
@@ -332,7 +363,7 @@ impl IslandTraits {
 
     fn plan(&self) -> IslandPlan {
         match self {
-            Self { joints: 0, .. } if !self.is_row_to_solve() || self.is_large() => IslandPlan::Loose,
+            Self { joints: 0, .. } if !(self.is_row_to_solve() || self.leans_at_rest()) || self.is_large() => IslandPlan::Loose,
             Self { joints: 0, .. } => IslandPlan::Coupled,
             Self { is_swept: true, .. } => IslandPlan::Swept,
             Self { touches: false, .. } if !self.is_stiff_loop() => IslandPlan::Apart,
@@ -421,36 +452,17 @@ fn is_row(bodies: u32, contacts: u32) -> bool {
     bodies >= LEANING && (bodies - 1..bodies + 2).contains(&contacts)
 }
 
-/// Bodies of these slots that touch something and stand on nothing.
-fn count_leaning(slots: std::ops::Range<u32>, contacts: &[ContactInput], gravity: Vec3, stances: &mut Vec<[bool; 2]>) -> u32 {
-    stances.clear();
-    stances.resize(slots.len(), [false; 2]);
-    let up = -gravity.normalize_or_zero();
-    // Near ones too: in its first step nothing presses yet.
-    for contact in contacts {
-        let rise = contact.normal.dot(up);
-        for (slot, stands) in [(contact.a, rise <= -STANDS), (contact.b, rise >= STANDS)] {
-            if let Some([touches, is_borne]) = slot.checked_sub(slots.start).and_then(|place| stances.get_mut(place as usize)) {
-                (*touches, *is_borne) = (true, *is_borne | stands);
-            }
-        }
-    }
-    stances.iter().filter(|stance| **stance == [true, false]).count() as u32
+/// Whether these bodies, with so many contacts, were put where they are, are at rest against one another and have few contacts: see [`SPARSE`].
+fn rests_sparsely(velocities: &[BodyVelocity], motions: &[BodyMotion], contacts: u32) -> bool {
+    let is_sparse = (LEANING..=SPARSE * velocities.len() as u32).contains(&contacts);
+    let is_slow = |velocity| is_slow(velocity, velocities[0].linear);
+    is_sparse && motions.iter().all(|motion| motion.young) && velocities.iter().all(is_slow)
 }
 
-/// Whether a contact bears its load aside of the middle of its points, by more than [`ASIDE`] of the way to the farthest.
-fn is_aside(contact: &ContactInput) -> bool {
-    let (points, loads) = (&contact.lever_a[..contact.count], &contact.impulses.normal[..contact.count]);
-    let load: f32 = loads.iter().sum();
-    // Written so that a NaN is none.
-    let bears = load > 0.0;
-    if !bears {
-        return false;
-    }
-    let middle = points.iter().sum::<Vec3>() / points.len() as f32;
-    let center = points.iter().zip(loads).map(|(&point, &own)| point * own).sum::<Vec3>() / load;
-    let reach = points.iter().map(|point| point.distance_squared(middle)).fold(0.0, f32::max);
-    center.distance_squared(middle) > ASIDE * ASIDE * reach
+/// Whether a body is at rest against this velocity.
+fn is_slow(velocity: &BodyVelocity, frame: Vec3) -> bool {
+    let (speed, spin) = (velocity.linear.distance_squared(frame), velocity.angular.length_squared());
+    speed <= RESTING[0] * RESTING[0] && spin <= RESTING[1] * RESTING[1]
 }
 
 /// Speed at which a point of a contact opens (m/s).

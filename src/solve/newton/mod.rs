@@ -110,8 +110,13 @@ impl Newton {
 
     /// Whether contacts are to be formed though there are no joints, as a row of bodies may be solved as one; `contacts` are the slots of each
     /// contact's bodies.
-    pub(crate) fn may_hold_rows(&mut self, islands: &[u32], end: u32, contacts: impl Iterator<Item = [u32; 2]>) -> bool {
-        self.planner.may_hold_rows(islands, end, contacts)
+    pub(crate) fn may_hold_rows(
+        &mut self,
+        islands: &[u32],
+        bodies: (&[BodyVelocity], &[BodyMotion]),
+        contacts: impl Iterator<Item = [u32; 2]>,
+    ) -> bool {
+        self.planner.may_hold_rows(islands, bodies, contacts)
     }
 
     /// Whether no island has taken the step.

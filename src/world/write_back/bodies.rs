@@ -303,7 +303,10 @@ impl Moves<'_> {
             body.linear_velocity = within_limit(own.linear, MAX_LINEAR_SPEED);
             body.angular_velocity = within_limit(own.angular, MAX_ANGULAR_SPEED);
             body.history.forget();
-            body.times.settling.count(steady, limits.dt);
+            // What is solved as one with what it leans on stays where it was put.
+            if !steady || !motion.direct || motion.jointed {
+                body.times.settling.count(steady, limits.dt);
+            }
             let (reach, least_extent) = records.shapes_follow(member);
             if let Some(start) = start.filter(|start| start.goes_astray(motion, limits.dt, (reach, least_extent))) {
                 noted.paths.push(Path { group, body: member, swept: Swept::FixedOnly });
