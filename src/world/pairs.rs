@@ -244,7 +244,7 @@ impl World {
         report.counts.pairs = active as u32;
         report.counts.pairs_updated = updated as u32;
         report.counts.pairs_reused = (active - updated) as u32;
-        self.leave_out_seams();
+        self.leave_out_seams(dt);
     }
 }
 
