@@ -93,9 +93,11 @@ impl ColliderState {
         gravity * ((self.fall - other.fall) * dt)
     }
 
-    /// Whether another body moves over this one, rather than this over that: this is what can't be pushed, or else what moves along more slowly.
+    /// Whether another body moves over this one, rather than this over that: this is what can't be pushed, or else what a round one rolls on, or
+    /// else what moves along more slowly.
     pub(crate) fn is_ground_of(&self, other: &Self) -> bool {
         match self.is_unmoved() == other.is_unmoved() {
+            true if self.is_round != other.is_round => other.is_round,
             true => self.velocity.length_squared() < other.velocity.length_squared(),
             false => self.is_unmoved(),
         }
@@ -106,10 +108,21 @@ impl ColliderState {
         self.still || self.is_driven
     }
 
-    /// Whether the body moves along over another that hardly moves, but as the host moves it along, or may begin to.
+    /// Whether one body moves along against another so far in a step that a seam would be felt.
+    pub(crate) fn slides_on(&self, other: &Self, dt: f32) -> bool {
+        (self.velocity - other.velocity).length() * dt > MIN_GLIDE * self.least_extent.min(other.least_extent)
+    }
+
+    /// Whether a round body moves over a flat one that moves too: how this one moves is judged against its neighbours.
+    fn rolls_over(&self, other: &Self) -> bool {
+        self.is_round && !other.is_round && !other.is_unmoved()
+    }
+
+    /// Whether the body moves along over another that hardly moves, but as the host moves it along or what rolls over it does, or may begin to.
     pub(crate) fn glides_over(&self, other: &Self, dt: f32) -> bool {
         let way = MIN_GLIDE * self.least_extent.min(other.least_extent);
-        let [over, own] = match other.is_driven {
+        let rolls = self.rolls_over(other);
+        let [over, own] = match other.is_driven || rolls {
             true => [self.velocity - other.velocity, Vec3::ZERO],
             false => [self.velocity, other.velocity],
         };
@@ -117,7 +130,7 @@ impl ColliderState {
         if speed_squared * (dt * dt) <= way * way {
             return other.is_unmoved() && other.turning == 0.0 && !self.is_unmoved();
         }
-        own.length() + other.turning < STILLNESS * speed_squared.sqrt()
+        rolls || own.length() + other.turning < STILLNESS * speed_squared.sqrt()
     }
 
     /// Distance at which two shapes become contacts even without relative motion (m).

@@ -7,7 +7,7 @@ use parry3d::math::Pose3;
 
 use super::collider::{Collider, relative};
 use super::collider_state::ColliderState;
-use super::narrow::{Manifold, NarrowScratch};
+use super::narrow::{Manifold, ManifoldPoint, NarrowScratch};
 use super::persistent_manifold::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
 use super::predict::{self, Follow, FoundContacts, Reach, Step};
 use super::quantized_pose::{QuantizedPose, coarse, pose_unit};
@@ -196,6 +196,12 @@ impl Pair {
     /// Leaves a point out of the pair's contacts until they are made anew; `extent` is the lesser least extent of the two shapes (m).
     pub(crate) fn leave_out(&mut self, number: usize, point: usize, extent: f32) {
         self.manifolds.leave_out(number, point);
+        self.note_near(extent);
+    }
+
+    /// Gives a manifold another normal, in A's frame, and its points other places, until it is made anew; `extent` as in [`Self::leave_out`].
+    pub(crate) fn turn(&mut self, number: usize, normal: Vec3, extent: f32, moved: impl Fn(&mut ManifoldPoint)) {
+        self.manifolds.turn(number, normal, moved);
         self.note_near(extent);
     }
 

@@ -189,6 +189,19 @@ impl Manifolds {
         impulses.normal[point] = 0.0;
     }
 
+    /// Gives a manifold another normal, and its points other places.
+    pub(super) fn turn(&mut self, number: usize, to: Vec3, moved: impl Fn(&mut ManifoldPoint)) {
+        let (normal, points) = match self {
+            Self::Point(only) => (&mut only.normal, std::slice::from_mut(&mut only.point)),
+            Self::Any(manifolds) => {
+                let Manifold { normal, points, count, .. } = &mut manifolds[number].geometry;
+                (normal, &mut points[..usize::from(*count)])
+            }
+        };
+        *normal = to;
+        points.iter_mut().filter(|point| point.separation != LEFT_OUT).for_each(moved);
+    }
+
     pub(crate) fn set_impulses(&mut self, number: usize, impulses: ContactImpulses) {
         match self {
             Self::Point(point) => point.impulses = impulses,

@@ -233,7 +233,7 @@ impl World {
                 own += usize::from(pair.updated);
                 let (a, b) = key.shapes();
                 let states = (index.collider_state(a), index.collider_state(b));
-                glides.extend(Glide::of(key, slot, pair, states, dt));
+                Glide::note((key, slot), pair, states, colliders, dt, glides);
                 let on_surface = was_pressed.then(|| BallOnSurface::of(slot, key, states, colliders, bodies));
                 balls.extend(on_surface.flatten());
                 extend_tightly(touches, TouchingPair::of(key, slot, pair, index).into_iter());
@@ -244,7 +244,7 @@ impl World {
         report.counts.pairs = active as u32;
         report.counts.pairs_updated = updated as u32;
         report.counts.pairs_reused = (active - updated) as u32;
-        self.leave_out_seams();
+        self.leave_out_seams(dt);
     }
 }
 

@@ -11,17 +11,27 @@
 //! * K does not rise above that plane behind e, as a wall or a step would, and nothing else is there: what lies against a side of J makes it none.
 //!
 //! Points along the normal of one edge are left out together: some of them may lie over the face behind it.
+//!
+//! A round shape does not tip over an end of J ahead of it within a step, as a flat one might: what is no higher than J's plane need not lie on J.
+//! Where the face of K behind e rises from that plane, by less than a step, the contact is put on that face: the shape comes to it before the step ends.
+//!
+//! Where pieces move, e must be so at the step's end, too, as J and K move there. Round shapes roll over whatever is flat. Blocks in a heap lie on
+//! each other, and most have no seams: those are looked at that touch another by a strip, face to face, no wider than surfaces are flush.
+
+use std::f32::consts::FRAC_1_SQRT_2;
 
 use glam::{DVec3, Vec3};
 
 use super::body_shape_table::BodyShapeTable;
 use super::{Collision, World};
+use crate::body::Body;
 use crate::collide::collider::Collider;
 use crate::collide::collider_state::ColliderState;
 use crate::collide::narrow;
 use crate::collide::pairs::{Pair, PairKey};
 use crate::collide::predict::FLUSH;
-use crate::id::{Pool, ShapeId};
+use crate::id::{BodyId, Pool, ShapeId};
+use crate::shape::Geometry;
 
 /// How far behind a point, in distances of which surfaces are flush, K is looked for above J's plane.
 const BEHIND: f32 = 10.0;
@@ -36,7 +46,7 @@ const UPRIGHT: f32 = 1.0e-4;
 /// share of 0.002, and may be turned from them by √(2·0.002).
 const UNSURE: f32 = 0.07;
 
-/// A pair of which one body moves over the other.
+/// A pair of which one body moves over the other, or may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Glide {
     /// The body that moves.
@@ -45,37 +55,96 @@ pub(super) struct Glide {
     slot: u32,
     /// Whether that is the second.
     is_second: bool,
+    /// Whether the other has no seam, but tells what the body lies on.
+    is_plain: bool,
 }
 
 impl Glide {
-    /// What there is to note of a pair that has been brought up to date: whether a round shape of it moves over the other.
-    pub(super) fn of(key: PairKey, slot: u32, pair: &Pair, (a, b): (&ColliderState, &ColliderState), dt: f32) -> Option<Self> {
+    /// Notes a pair that has been brought up to date, if a round shape of it moves over the other, or any over what can't be pushed, and for both
+    /// bodies, if they are blocks that touch by a strip.
+    pub(super) fn note(
+        (key, slot): (PairKey, u32),
+        pair: &Pair,
+        (a, b): (&ColliderState, &ColliderState),
+        colliders: &Pool<Collider, ShapeId>,
+        dt: f32,
+        glides: &mut Vec<Self>,
+    ) {
         if !pair.may_touch || a.body == b.body {
-            return None;
+            return;
         }
         let is_second = a.is_ground_of(b);
         let (still, mover) = if is_second { (a, b) } else { (b, a) };
         // Blocks of a heap lie on each other's faces, and one by one they are no floor.
-        if !(mover.is_round || still.is_unmoved()) {
-            return None;
+        if mover.is_round || still.is_unmoved() {
+            glides.extend(mover.glides_over(still, dt).then_some(Self {
+                body: mover.body,
+                key,
+                slot,
+                is_second,
+                is_plain: false,
+            }));
+        } else if are_blocks(a, b) && (pair.pressed || a.slides_on(b, dt)) && meets_at_corners((key, pair), (a, b), colliders) {
+            glides.extend([(a, false), (b, true)].map(|(side, is_second)| Self {
+                body: side.body,
+                key,
+                slot,
+                is_second,
+                is_plain: false,
+            }));
         }
-        mover.glides_over(still, dt).then_some(Self { body: mover.body, key, slot, is_second })
     }
 
-    /// Shape that does not move.
+    /// Shape that is moved over.
     fn still(&self) -> u32 {
         let (a, b) = self.key.shapes();
         if self.is_second { a } else { b }
     }
 }
 
+/// Whether a pair is of flat shapes that move.
+fn are_blocks(a: &ColliderState, b: &ColliderState) -> bool {
+    !(a.is_round || b.is_round || a.is_unmoved() || b.is_unmoved())
+}
+
+/// Whether two shapes lie face to face along a strip that is no wider than surfaces are flush. So lies what rests on one of several flush pieces, to
+/// the bit over its rim, against the side of the next, by as much as it is sunk in.
+fn meets_at_corners(
+    (key, pair): (PairKey, &Pair),
+    (a, b): (&ColliderState, &ColliderState),
+    colliders: &Pool<Collider, ShapeId>,
+) -> bool {
+    let narrow_to = FLUSH * a.least_extent.min(b.least_extent);
+    pair.manifolds.iter().any(|manifold| {
+        let from_first = |place: &narrow::ManifoldPoint| place.on_a - manifold.points[0].on_a;
+        let along = manifold
+            .points
+            .iter()
+            .map(from_first)
+            .fold(Vec3::ZERO, |most, way| if way.length_squared() > most.length_squared() { way } else { most });
+        let along = along.normalize_or_zero();
+        let is_strip = manifold.points.iter().all(|place| from_first(place).reject_from_normalized(along).length() <= narrow_to);
+        let (shape_a, shape_b) = key.shapes();
+        let [shape_a, shape_b] = [shape_a, shape_b].map(|shape| &colliders[shape].shape);
+        is_strip && manifold.points.len() > 1 && {
+            let [part_a, part_b] = narrow::parts_of(shape_b, manifold.part);
+            let seen_from_b = b.rotation.conjugate() * (a.rotation * -manifold.normal);
+            narrow::is_face_normal(shape_a, part_a, manifold.normal) && narrow::is_face_normal(shape_b, part_b, seen_from_b)
+        }
+    })
+}
+
 /// A point at which a body moves over a shape.
 #[derive(Debug, Clone, Copy)]
 struct GlidePoint {
     slot: u32,
+    /// As [`Glide::is_plain`].
+    is_plain: bool,
     number: usize,
     point: usize,
-    /// Shape that does not move, and its part.
+    /// Shape that moves over another.
+    mover: u32,
+    /// That other, and its part.
     shape: u32,
     part: u32,
     /// On that shape (m), and from there to the body.
@@ -89,34 +158,69 @@ struct GlidePoint {
 #[derive(Debug, Default)]
 pub(super) struct Seams {
     glides: Vec<Glide>,
+    /// Bodies of blocks that touch others by a strip.
+    blocks: Vec<u32>,
     points: Vec<GlidePoint>,
     corners: narrow::Corners,
 }
 
 impl World {
     /// Leaves out contacts with the edges of flush neighbours of what a body moves over.
-    pub(super) fn leave_out_seams(&mut self) {
-        let Self { collision: Collision { pairs, index, .. }, colliders, scratch, .. } = self;
-        let Seams { glides, points, corners } = &mut scratch.seams;
+    pub(super) fn leave_out_seams(&mut self, dt: f32) {
+        let Self { collision: Collision { pairs, index, touches, .. }, colliders, bodies, scratch, .. } = self;
+        let Seams { glides, blocks, points, corners } = &mut scratch.seams;
         glides.clear();
         scratch.glides.iter_mut().for_each(|found| glides.append(found));
+        blocks.clear();
+        let states_of = |key: PairKey| <[u32; 2]>::from(key.shapes()).map(|shape| index.collider_state(shape));
+        blocks.extend(
+            glides
+                .iter()
+                .filter(|glide| {
+                    let [a, b] = states_of(glide.key);
+                    are_blocks(a, b)
+                })
+                .map(|glide| glide.body),
+        );
+        if !blocks.is_empty() {
+            // What they lie on is told by all that they touch.
+            blocks.sort_unstable();
+            blocks.dedup();
+            for touch in touches.touching() {
+                let found = [(touch.bodies[0], false), (touch.bodies[1], true)];
+                let found = found.into_iter().filter(|(body, _)| blocks.binary_search(body).is_ok());
+                glides.extend(found.map(|(body, is_second)| Glide {
+                    body,
+                    key: pairs.get(touch.slot).key,
+                    slot: touch.slot,
+                    is_second,
+                    is_plain: true,
+                }));
+            }
+        }
         glides.sort_unstable();
+        glides.dedup_by_key(|glide| (glide.body, glide.slot));
         for glides in glides.chunk_by(|a, b| a.body == b.body) {
             let is_at_seam = glides.len() > 1 || colliders[glides[0].still()].shape.is_compound();
             if !is_at_seam {
                 continue;
             }
-            let ground = StaticSurface { colliders, index };
+            let ground = Ground { colliders, bodies, index, dt };
             points.clear();
             for glide in glides {
                 ground.list_points(glide, pairs.get(glide.slot), corners, points);
             }
-            for manifold in points.chunk_by(|a, b| (a.slot, a.number) == (b.slot, b.number)) {
-                let is_carried = |e: &GlidePoint| points.iter().any(|f| ground.carries(f, e, points));
-                let is_edge = !ground.is_face(&manifold[0]);
-                let goes = is_edge && manifold.iter().any(is_carried);
-                for e in manifold.iter().filter(|e| goes || is_carried(e)) {
-                    let extent = index.least_extent(pairs.get(e.slot).key);
+            let manifolds = points.chunk_by(|a, b| (a.slot, a.number) == (b.slot, b.number));
+            for manifold in manifolds.filter(|manifold| !manifold[0].is_plain) {
+                let carrier_of = |e: &GlidePoint| points.iter().find(|f| ground.carries(f, e, points));
+                let first = &manifold[0];
+                let extent = index.least_extent(pairs.get(first.slot).key);
+                let carrier = if ground.is_face(first) { None } else { manifold.iter().find_map(carrier_of) };
+                let rising = carrier.and_then(|f| ground.rising_face(f, first));
+                if rising.is_some_and(|normal| ground.put_on_face(normal, first, pairs.get_mut(first.slot), extent)) {
+                    continue;
+                }
+                for e in manifold.iter().filter(|e| carrier.is_some() || carrier_of(e).is_some()) {
                     pairs.get_mut(e.slot).leave_out(e.number, e.point, extent);
                 }
             }
@@ -124,18 +228,22 @@ impl World {
     }
 }
 
-/// What does not move.
-struct StaticSurface<'a> {
+/// What others move over.
+struct Ground<'a> {
     colliders: &'a Pool<Collider, ShapeId>,
+    bodies: &'a Pool<Body, BodyId>,
     index: &'a BodyShapeTable,
+    /// Of the step (s).
+    dt: f32,
 }
 
-impl StaticSurface<'_> {
+impl Ground<'_> {
     /// Appends the points of a pair.
     fn list_points(&self, glide: &Glide, pair: &Pair, corners: &mut narrow::Corners, points: &mut Vec<GlidePoint>) {
-        let Self { colliders, index } = self;
+        let Self { colliders, index, .. } = self;
         let (a, b) = glide.key.shapes();
         let shape = glide.still();
+        let mover = if glide.is_second { b } else { a };
         let (collider_state, sign) = (index.collider_state(shape), if glide.is_second { 1.0 } else { -1.0 });
         let turn_a = index.collider_state(a).rotation;
         let flush = FLUSH * index.least_extent(glide.key);
@@ -143,8 +251,10 @@ impl StaticSurface<'_> {
             let part = narrow::parts_of(&colliders[b].shape, manifold.part)[usize::from(!glide.is_second)];
             let of = |normal: Vec3, point: usize, at: Vec3, separation: f32| GlidePoint {
                 slot: glide.slot,
+                is_plain: glide.is_plain,
                 number,
                 point,
+                mover,
                 shape,
                 part,
                 at: collider_state.position + (collider_state.rotation * at).as_dvec3(),
@@ -184,10 +294,14 @@ impl StaticSurface<'_> {
         let at = e.at - (f.normal * height).as_dvec3();
         // What lies a little deep in one surface meets the side of the next by as much, and what is far off is not seen exactly.
         let depth = (-f.separation).max(0.0) + UNSURE * e.separation.max(0.0);
+        // Where both move, K may rise out of the plane, or sink below it, by the end of the step.
+        let rise = f.normal.dot(self.velocity(e.shape, e.at) - self.velocity(f.shape, e.at)) * self.dt;
+        let (lowest, highest) = (height + rise.min(0.0), height + rise.max(0.0));
+        let is_held_above = highest <= e.flush && self.is_rolled_over(f, e, into, points);
         // What fell has points of the pose that it would have had below the plane: of a side that ends at the plane, they are no more.
-        let is_at_plane = height <= e.flush && height >= -(e.flush + depth);
-        if !is_at_plane {
-            let is_met = height > 0.0 && self.distance(e.shape, e.at + further.as_dvec3()) < e.flush;
+        let is_at_plane = highest <= e.flush && lowest >= -(e.flush + depth);
+        if !is_at_plane && !is_held_above {
+            let is_met = highest > 0.0 && self.distance(e.shape, e.at + further.as_dvec3()) < e.flush;
             if is_met || self.distance(e.shape, at) > e.flush {
                 return false;
             }
@@ -196,7 +310,8 @@ impl StaticSurface<'_> {
         let above = (f.normal * (2.0 * e.flush)).as_dvec3();
         // Also where a third one lies there, flush with J: what comes over a corner meets the tile across it before those beside it press.
         let lies_there = |shape: u32| self.distance(shape, at) <= e.flush && self.distance(shape, at + above) >= e.flush;
-        let is_covered = self.distance(f.shape, at) <= e.flush
+        let is_covered = is_held_above
+            || self.distance(f.shape, at) <= e.flush
             || points.iter().any(|other| other.shape != f.shape && other.shape != e.shape && lies_there(other.shape));
         // What lies against a side of J does so to both hands of e; what rises beside the way does to one.
         let rises = |shape: u32, place: DVec3| self.distance(shape, place) < e.flush;
@@ -205,6 +320,66 @@ impl StaticSurface<'_> {
             points.iter().any(|other| other.shape != f.shape && other.shape != e.shape && rises(other.shape, place))
         };
         is_covered && !rises(e.shape, behind) && !(is_filled(behind + aside) && is_filled(behind - aside))
+    }
+
+    /// Whether e lies ahead of or behind a round shape that J keeps above its plane, between points that it touches J at or those that it would
+    /// roll to from there: it does not tip over to a side then, and comes to no point of that plane or below it in this step.
+    fn is_rolled_over(&self, f: &GlidePoint, e: &GlidePoint, into: Vec3, points: &[GlidePoint]) -> bool {
+        if f.mover != e.mover || !self.index.collider_state(e.mover).is_round {
+            return false;
+        }
+        let across = f.normal.cross(into).normalize();
+        let unsure = e.flush + UNSURE * e.separation.max(0.0);
+        let on_j = points.iter().filter(|other| (other.slot, other.number) == (f.slot, f.number));
+        let aside = on_j.map(|other| across.dot((other.at - e.at).as_vec3()));
+        let (least, most) =
+            aside.fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), aside| (least.min(aside), most.max(aside)));
+        least <= unsure && most >= -unsure
+    }
+
+    /// The face of K behind the edge `e` where it rises out of the plane of J at `f`, as planks of a bridge that sags do: what rolls on comes to that
+    /// face in this step, and not to the edge.
+    fn rising_face(&self, f: &GlidePoint, e: &GlidePoint) -> Option<Vec3> {
+        let still = self.index.collider_state(e.shape);
+        let normal = narrow::face_normal(&self.colliders[e.shape].shape, e.part, still.rotation.conjugate() * f.normal);
+        let normal = still.rotation * normal?;
+        let ahead = (f.normal * e.normal.dot(f.normal) - e.normal).normalize();
+        let above = normal * (2.0 * e.flush);
+        let is_beside = self.distance(e.shape, e.at + above.as_dvec3()) > e.flush;
+        (is_beside && normal.dot(f.normal) >= ALIKE && normal.dot(ahead) < -UPRIGHT).then_some(normal)
+    }
+
+    /// Puts the contacts of a round shape with the edge `e` on the face behind it, whose normal is n: with a radius r and the axis at c, that is at
+    /// c − r n. Not if the shape does not lie on its side.
+    fn put_on_face(&self, normal: Vec3, e: &GlidePoint, pair: &mut Pair, extent: f32) -> bool {
+        let [mover, still] = [e.mover, e.shape].map(|shape| self.index.collider_state(shape));
+        let down = mover.rotation.conjugate() * -normal;
+        let (radius, half_height, down) = match *self.colliders[e.mover].shape.geometry() {
+            Geometry::Ball { radius } => (radius, 0.0, down),
+            Geometry::Capsule { half_height, radius } => (radius, half_height, down),
+            Geometry::Cylinder { half_height, radius } if down.y.abs() < FRAC_1_SQRT_2 => {
+                (radius, half_height, down.with_y(0.0).normalize())
+            }
+            _ => return false,
+        };
+        let is_second = pair.key.shapes().0 == e.shape;
+        let seen_from_a = if is_second { still.rotation.conjugate() * normal } else { mover.rotation.conjugate() * -normal };
+        pair.turn(e.number, seen_from_a, extent, |point| {
+            let (on_mover, on_still) =
+                if is_second { (&mut point.on_b, &mut point.on_a) } else { (&mut point.on_a, &mut point.on_b) };
+            *on_mover = Vec3::Y * on_mover.y.clamp(-half_height, half_height) + down * radius;
+            let at = mover.rotation * *on_mover;
+            point.separation = normal.dot(at - (e.at - mover.position).as_vec3());
+            let foot = (mover.position - still.position).as_vec3() + at - normal * point.separation;
+            *on_still = still.rotation.conjugate() * foot;
+        });
+        true
+    }
+
+    /// Of a shape's body at a place (m/s).
+    fn velocity(&self, shape: u32, at: DVec3) -> Vec3 {
+        let body = &self.bodies[self.colliders[shape].body];
+        body.linear_velocity + body.angular_velocity.cross((at - body.center).as_vec3())
     }
 
     fn is_face(&self, point: &GlidePoint) -> bool {

@@ -155,14 +155,19 @@ pub(crate) fn parts_of(b: &Shape, part: u32) -> [u32; 2] {
 /// Angle between directions that count as one (rad): more than manifolds are turned by rounding and by resting overlaps.
 const SAME_DIRECTION: f32 = 5.0e-3;
 
-/// Whether a direction in the frame of a shape (unit) is the outward normal of a face of one of its parts.
-pub(crate) fn is_face_normal(shape: &Shape, part: u32, direction: Vec3) -> bool {
-    let Some((part, place)) = composite::part_at(shape, part) else { return false };
-    let direction = place.rotation.inverse() * direction;
+/// The outward normal of the face of a part of a shape that is most along a direction (unit), both in the frame of the shape; none if it has none.
+pub(crate) fn face_normal(shape: &Shape, part: u32, direction: Vec3) -> Option<Vec3> {
+    let (part, place) = composite::part_at(shape, part)?;
     let face = match part {
         part::Part::HalfSpace { normal } => Some(normal),
-        part => face::nearest(&part, direction),
+        part => face::nearest(&part, place.rotation.inverse() * direction),
     };
+    face.map(|normal| place.rotation * normal)
+}
+
+/// Whether a direction in the frame of a shape (unit) is the outward normal of a face of one of its parts.
+pub(crate) fn is_face_normal(shape: &Shape, part: u32, direction: Vec3) -> bool {
+    let face = face_normal(shape, part, direction);
     face.is_some_and(|normal| (normal - direction).length_squared() < SAME_DIRECTION * SAME_DIRECTION)
 }
 
