@@ -37,6 +37,7 @@ pub(crate) mod plan;
 pub(crate) mod plane;
 mod recovery;
 mod rotation;
+pub(crate) mod round_contacts;
 pub(crate) mod slides;
 pub(crate) mod state;
 pub(crate) mod step;
