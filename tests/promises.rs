@@ -77,6 +77,7 @@ mod strides;
 mod support;
 mod thrust;
 mod tipping;
+mod tops;
 mod turning_points;
 mod unions;
 mod waking;

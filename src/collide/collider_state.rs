@@ -9,6 +9,7 @@ use parry3d::bounding_volume::Aabb;
 use super::collider::{Collider, margin_of};
 use crate::body::{Body, BodyKind};
 use crate::material::Material;
+use crate::shape::Shape;
 
 /// Copies of what [`Collider`] and [`Body`] have when contacts are brought up to date.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +45,25 @@ const MIN_GLIDE: f32 = 1.0e-4;
 const STILLNESS: f32 = 0.01;
 
 const _: () = assert!(size_of::<ColliderState>() == 128);
+
+/// What is asked of a shape whose manifolds are made anew.
+#[derive(Clone, Copy)]
+pub(crate) struct Follow<'a> {
+    pub shape: &'a Shape,
+    /// Angular velocity of its body (rad/s).
+    pub angular: Vec3,
+    /// Whether joints hold the body: it does not go on as it moves, and articulations follow bent surfaces by themselves.
+    pub is_jointed: bool,
+    /// Whether the host moves the body.
+    pub is_driven: bool,
+}
+
+impl<'a> Follow<'a> {
+    pub(crate) fn of(collider: &'a Collider, body: &Body) -> Self {
+        let is_driven = body.is_mover() && !body.is_free();
+        Self { shape: &collider.shape, angular: body.angular_velocity, is_jointed: !body.joints.is_empty(), is_driven }
+    }
+}
 
 impl ColliderState {
     /// In place of one that nobody has asked for yet.

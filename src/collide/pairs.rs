@@ -6,10 +6,10 @@ use glam::{Mat3, Quat, Vec3};
 use parry3d::math::Pose3;
 
 use super::collider::{Collider, relative};
-use super::collider_state::ColliderState;
+use super::collider_state::{ColliderState, Follow};
 use super::narrow::{Manifold, ManifoldPoint, NarrowScratch};
 use super::persistent_manifold::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
-use super::predict::{self, Follow, FoundContacts, Reach, Step};
+use super::predict::{self, FoundContacts, Reach, Step};
 use super::quantized_pose::{QuantizedPose, coarse, pose_unit};
 use crate::body::Body;
 use crate::contact::ContactImpulses;

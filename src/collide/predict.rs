@@ -24,9 +24,10 @@
 use glam::{Quat, Vec3};
 use parry3d::math::Pose3;
 
-use super::collider_state::ColliderState;
+use super::collider_state::{ColliderState, Follow};
 use super::narrow::{self, Manifold, NarrowScratch};
 use super::persistent_manifold::Manifolds;
+use super::round_features::swung;
 use crate::linalg::rotation32::rotated_far;
 use crate::shape::{Geometry, Shape};
 
@@ -99,18 +100,6 @@ impl Reach<'_> {
     }
 }
 
-/// What is asked of a shape whose manifolds are made anew.
-#[derive(Clone, Copy)]
-pub(crate) struct Follow<'a> {
-    pub shape: &'a Shape,
-    /// Angular velocity of its body (rad/s).
-    pub angular: Vec3,
-    /// Whether joints hold the body: it does not go on as it moves, and articulations follow bent surfaces by themselves.
-    pub is_jointed: bool,
-    /// Whether the host moves the body.
-    pub is_driven: bool,
-}
-
 /// What the manifolds of all pairs in a step have in common.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
@@ -177,13 +166,13 @@ pub(super) fn collide(
     }
     // Of what presses, flat faces come here only where they meet anew.
     reach.is_pressed &= is_round;
-    let spin_of =
-        |collider_state: &ColliderState, of: &Follow, other: &Shape| match collider_state.turns_in_itself(of.shape, other) {
-            true => Vec3::ZERO,
-            false => collider_state.rotation.conjugate() * of.angular,
-        };
-    let spins = [spin_of(a, of_a, of_b.shape), spin_of(b, of_b, of_a.shape)];
     let is_turned = [of_a, of_b].map(|of| of.is_driven && of.angular != Vec3::ZERO);
+    let is_swung = if reach.is_pressed { swung((a, b), &[*of_a, *of_b], step.gravity, step.dt) } else { [false; 2] };
+    let spin_of = |(state, of): (&ColliderState, &Follow), other: &Shape, is_swung: bool| {
+        let stays = is_swung || state.turns_in_itself(of.shape, other);
+        if stays { Vec3::ZERO } else { state.rotation.conjugate() * of.angular }
+    };
+    let spins = [spin_of((a, of_a), of_b.shape, is_swung[0]), spin_of((b, of_b), of_a.shape, is_swung[1])];
     let approach = PairApproach { a, b, spins, angular: [of_a.angular, of_b.angular], is_turned, step };
     let is_followed = match is_round {
         true => reach.is_pressed || found.manifolds.is_empty() || approach.may_meet(found),

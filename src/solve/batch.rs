@@ -9,12 +9,14 @@ use super::joint::{BatchJoints, may_be_cut};
 use super::momentum::FreeIslands;
 use super::newton::Newton;
 use super::plane::Planes;
+use super::round_contacts::RoundContacts;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::status::ContactStatus;
 use super::taut_line::TautRows;
 use super::velocity_half_step::HalfStepVelocities;
 use super::wide_bodies::WideBodies;
 use super::wrapped_bound::BatchWraps;
+use crate::joint_graph::mesh;
 use crate::tight_vec::{extend_tightly, make_room, resize};
 use crate::workers::Workers;
 
@@ -36,8 +38,10 @@ pub(crate) struct ContactEnds {
     pub a: u32,
     pub b: u32,
     pub points: u8,
-    /// Whether it neither rebounds nor resists rolling or spinning by itself, nor lies on what the host turns.
+    /// Whether it neither rebounds nor resists rolling or spinning by itself, nor lies on what the host turns, nor is swung.
     pub is_plain: bool,
+    /// Of each side, whether its round features are followed in each substep; before it has slots whether they may be.
+    pub is_swung: [bool; 2],
 }
 
 /// Slot of an end that is still to be given a replica.
@@ -59,6 +63,8 @@ pub(crate) struct BatchManifolds {
     /// All of them, where an articulation may hold some.
     pub inputs: Vec<ContactInput>,
     pub tally: ContactTally,
+    /// Those of round features that are swung.
+    pub round: RoundContacts,
 }
 
 /// What is said of manifolds after a step, if anybody wants to know.
@@ -137,10 +143,11 @@ impl Batch {
         self.bodies.clear();
         self.bodies.push(u32::MAX);
         self.islands.clear();
-        let BatchManifolds { list, ends, inputs, tally } = &mut self.manifolds;
+        let BatchManifolds { list, ends, inputs, tally, round } = &mut self.manifolds;
         list.clear();
         ends.clear();
         inputs.clear();
+        round.clear();
         tally.is_on = false;
         tally.sums.clear();
         tally.told.clear();
@@ -169,7 +176,7 @@ impl Batch {
     pub(crate) fn room_for_manifolds(&mut self, count: usize) -> (&mut [(u32, u32)], &mut [ContactEnds]) {
         let BatchManifolds { list, ends, .. } = &mut self.manifolds;
         resize(list, count, (0, 0));
-        resize(ends, count, ContactEnds { a: WORLD_SLOT, b: WORLD_SLOT, points: 0, is_plain: true });
+        resize(ends, count, ContactEnds { a: WORLD_SLOT, b: WORLD_SLOT, points: 0, is_plain: true, is_swung: [false; 2] });
         (list, ends)
     }
 
@@ -274,6 +281,12 @@ impl Batch {
     /// Slots after the world's that are those of bodies which rows may move.
     pub(crate) fn moving(&self) -> usize {
         self.bodies.len() - 1 - self.replicas.len()
+    }
+
+    /// Whether bodies may carry what contacts do from substep to substep: it is one large island, as what is done must not depend on what else is
+    /// in a batch.
+    pub(crate) fn may_carry_changes(&self) -> bool {
+        self.islands.len() == 1 && self.moving() >= mesh::MIN_BODIES
     }
 
     /// Whether bodies without joints may be solved as one: contacts are formed then.

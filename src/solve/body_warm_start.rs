@@ -22,13 +22,9 @@ use glam::Vec3;
 use super::batch::Batch;
 use super::integrate;
 use super::state::{BodyMotion, BodyVelocity, Symmetric};
-use crate::joint_graph::mesh;
 use crate::step_history::Twist;
 use crate::tight_vec::resize;
 use crate::workers::Workers;
-
-/// Bodies of an island for which this is done: one that has a batch to itself, as what is done must not depend on what else is in a batch.
-pub(super) const MIN_BODIES: usize = mesh::MIN_BODIES;
 
 /// Bodies that are worth another thread's while.
 const MIN_SHARED: usize = 128;
@@ -49,8 +45,7 @@ impl BodyWarmStart {
     /// Finds whether contacts alone act on the bodies of this batch, and all multipliers are carried on as they are: `sweeps_alone` says that no
     /// other stage changes those of contacts.
     pub(super) fn prepare(&mut self, batch: &Batch, sweeps_alone: bool) {
-        self.is_on = batch.islands.len() == 1
-            && batch.moving() >= MIN_BODIES
+        self.is_on = batch.may_carry_changes()
             && !batch.contacts.is_empty()
             && batch.contacts.extras.is_empty()
             && batch.joints.slots.is_empty()

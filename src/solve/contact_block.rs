@@ -93,7 +93,8 @@ pub(crate) struct MultiPointRows {
     pub inverse: [Lane; 10],
 }
 
-/// What a block has beside it of which a manifold resists rolling, or spinning by its material, or rebounds, or lies on what the host turns.
+/// What a block has beside it of which a manifold resists rolling, or spinning by its material, or rebounds, or lies on what the host turns, or
+/// is of a round feature that is swung.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub(crate) struct MaterialRows {
@@ -111,7 +112,8 @@ pub(crate) struct MaterialRows {
     pub blow: Lane,
     /// Whether that was in this substep.
     pub rebounds: [bool; LANES],
-    /// What the slip is greater by in the middle of the substep, as sides that the host turns carry the contact round (m/s).
+    /// What the slip is greater by in the middle of the substep, as sides that the host turns carry the contact round, or as round features
+    /// are swung (m/s).
     pub lean: [Lane; 2],
     pub has_lean: bool,
     pub has_rolling: bool,
@@ -306,6 +308,34 @@ impl ContactBlocks {
             Some(face) => (get(&face.center_a, l), get(&face.center_b, l)),
             None => block.first.levers_of(l),
         }
+    }
+
+    /// Puts a point's lever on one side, A or B, elsewhere; its masses are those of before.
+    pub(crate) fn set_lever(&mut self, block: usize, l: usize, (point, side): (usize, usize), lever: Vec3) {
+        let rows = self.rows_mut(block, point);
+        put(if side == 0 { &mut rows.lever_a } else { &mut rows.lever_b }, l, lever);
+    }
+
+    /// Brings the middle of a manifold to where its points are.
+    pub(crate) fn recenter(&mut self, block: usize, l: usize) {
+        let count = usize::from(self.blocks[block].count[l]);
+        if self.room_of(block) == 1 || count == 0 {
+            return;
+        }
+        let levers = (0..count).map(|point| self.rows(block, point).levers_of(l));
+        let sums = levers.fold((Vec3::ZERO, Vec3::ZERO), |sums, levers| (sums.0 + levers.0, sums.1 + levers.1));
+        let face = &mut self.faces[self.blocks[block].face as usize];
+        put(&mut face.center_a, l, sums.0 / count as f32);
+        put(&mut face.center_b, l, sums.1 / count as f32);
+    }
+
+    /// Has a manifold of a block with an extra slip by so much more (m/s).
+    pub(crate) fn lean_by(&mut self, block: usize, l: usize, slip: Vec3) {
+        let block = &self.blocks[block];
+        let Some(extra) = self.extras.get_mut(block.extra as usize) else { return };
+        let (t1, t2) = tangents(get(&block.normal, l));
+        (extra.lean[0][l], extra.lean[1][l]) = (slip.dot(t1), slip.dot(t2));
+        extra.has_lean = true;
     }
 
     /// Row about the normal, where a block has one.

@@ -37,6 +37,7 @@ pub(crate) mod plan;
 pub(crate) mod plane;
 mod recovery;
 mod rotation;
+pub(crate) mod round_contacts;
 pub(crate) mod slides;
 mod stances;
 pub(crate) mod state;

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::batch::{Batch, LongRangeRows};
-use super::body_warm_start::{self, BodyWarmStart};
+use super::body_warm_start::BodyWarmStart;
 use super::contact_energy::{ContactEnergy, LoadRelease};
 use super::contact_newton::ContactNewton;
 use super::direct::{Direct, SolveContext};
@@ -170,6 +170,7 @@ impl BatchStages {
             batch.poses.keep_turning(threads, &mut batch.velocities, &batch.motions);
         }
         self.rebound(batch, settings.restitution_threshold);
+        batch.place_round_contacts();
         self.slides.find(&batch.contacts, &batch.velocities, &batch.motions, (h, settings.substeps), threads);
         self.recovery.recover_positions(batch, threads, settings.dt);
         self.settle(batch, joints, threads, true);
@@ -214,7 +215,9 @@ impl BatchStages {
         // Levers are those of the start of the step.
         let middle = (substep as f32 + 0.5) * h;
         if !is_carried {
+            batch.place_round_contacts();
             batch.start_sweeps(threads, h, middle);
+            batch.aim_round_contacts(h, true);
         }
         let (direct, context) = batch.direct_and_context(threads);
         direct.warm_start(context, iterations);
@@ -224,6 +227,9 @@ impl BatchStages {
             let is_last = iteration + 1 == iterations;
             if iteration > 0 && is_last {
                 batch.prepare_joints(joints, threads, h, true, iterations >= LONG_SUBSTEP);
+            }
+            if iteration > 0 {
+                batch.aim_round_contacts(h, false);
             }
             if iteration % 2 == 0 {
                 batch.sweep_bounds(false);
@@ -423,6 +429,18 @@ impl Batch {
         });
     }
 
+    /// Brings the levers of round features that are swung to where bodies are now.
+    fn place_round_contacts(&mut self) {
+        let Self { contacts, velocities, motions, manifolds, .. } = self;
+        manifolds.round.place(contacts, velocities, motions);
+    }
+
+    /// Has the rows of round features that are swung hold at the end of the substep, with velocities as they are now.
+    fn aim_round_contacts(&mut self, h: f32, is_first: bool) {
+        let Self { contacts, velocities, motions, manifolds, .. } = self;
+        manifolds.round.aim(contacts, velocities, motions, h, is_first);
+    }
+
     /// The first sweep of a substep over contacts whose bodies carry what they have done; looks how far their surfaces are apart by now.
     fn sweep_anew(&mut self, threads: &Workers, h: f32, is_last: bool) {
         let presses_last = is_last || !self.reverses_rows();
@@ -445,6 +463,6 @@ impl Batch {
     /// Only then are the two one symmetric operator, and slow waves of load do not grow. Such waves are of large islands. In small ones friction
     /// comes before the normal rows on both ways: with two visits it then sees twice what these have made of the load, not once.
     fn reverses_rows(&self) -> bool {
-        self.islands.len() == 1 && self.moving() >= body_warm_start::MIN_BODIES
+        self.may_carry_changes()
     }
 }

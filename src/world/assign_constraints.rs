@@ -51,12 +51,12 @@ impl Contacts<'_> {
 
     /// Manifolds of a pair, and what they are between.
     fn manifolds(&self, touch: &TouchingPair) -> impl Iterator<Item = ((u32, u32), ContactEnds)> {
-        let &TouchingPair { slot, manifolds, points, is_plain, .. } = touch;
+        let &TouchingPair { slot, manifolds, points, is_plain, may_swing, .. } = touch;
         let [a, b] = touch.bodies.map(|body| self.slot_of(body));
         (0..u32::from(manifolds)).map(move |number| {
             let own = || self.pairs.get(slot).manifolds.get(number as usize).points.len() as u8;
             let points = if manifolds == 1 { points as u8 } else { own() };
-            ((slot, number), ContactEnds { a, b, points, is_plain })
+            ((slot, number), ContactEnds { a, b, points, is_plain, is_swung: [may_swing; 2] })
         })
     }
 }

@@ -15,9 +15,9 @@ use crate::body::Body;
 use crate::collide::active_hits::ActiveHit;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
-use crate::collide::collider_state::ColliderState;
+use crate::collide::collider_state::{ColliderState, Follow};
 use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
-use crate::collide::predict::{Follow, Step};
+use crate::collide::predict::Step;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint_record::Joint;
 use crate::prefetch::{AHEAD, prefetch};
@@ -184,9 +184,7 @@ impl World {
         let (active, slots) = pairs.active_and_slots();
         let moving = |slot: u32| {
             let collider = &colliders[slot];
-            let body = &bodies[collider.body];
-            let is_driven = body.is_mover() && !body.is_free();
-            Follow { shape: &collider.shape, angular: body.angular_velocity, is_jointed: !body.joints.is_empty(), is_driven }
+            Follow::of(collider, &bodies[collider.body])
         };
         let step = Step { dt, substeps: def.substeps, gravity: def.gravity };
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {

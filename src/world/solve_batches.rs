@@ -40,6 +40,7 @@ use crate::world::support::told_by;
 mod direct;
 mod joints;
 mod planes;
+mod round;
 mod wrap;
 
 /// Relative difference of principal moments below which a body is taken as round.
@@ -170,11 +171,13 @@ impl BatchInput<'_> {
             self.take_leads_back(batch);
         }
         self.replicate(batch);
+        self.note_swung(batch);
         if !batch.joints.slots.is_empty() || self.solver != Solver::GaussSeidel && batch.may_hold_rows() {
             self.form_inputs(batch, threads);
         }
         self.list_joints(batch, threads);
         self.lay_out(batch, settings, threads);
+        self.list_round_contacts(batch);
         self.fill_bounds(batch);
         self.fill_planes(batch);
         self.find_free_islands(batch);

@@ -17,6 +17,8 @@ pub(super) struct TouchingPair {
     pub points: u16,
     /// Whether it neither rebounds nor resists rolling or spinning by itself.
     pub is_plain: bool,
+    /// Whether it presses with a round shape that has moved: its features may be swung.
+    pub may_swing: bool,
 }
 
 impl TouchingPair {
@@ -27,13 +29,16 @@ impl TouchingPair {
         }
         let (a, b) = key.shapes();
         let points = pair.manifolds.iter().map(|manifold| manifold.points.len() as u16).sum();
-        let is_plain = PairMaterial::combine(&index.collider_state(a).material, &index.collider_state(b).material).is_plain();
+        let (of_a, of_b) = (index.collider_state(a), index.collider_state(b));
+        let is_plain = PairMaterial::combine(&of_a.material, &of_b.material).is_plain();
+        let may_swing = pair.updated && pair.pressed && (of_a.is_round || of_b.is_round);
         Some(Self {
             slot,
             bodies: [a, b].map(|shape| index.body_of(shape)),
             manifolds: pair.manifolds.len() as u16,
             points,
             is_plain,
+            may_swing,
         })
     }
 }

@@ -121,7 +121,7 @@ impl Batch {
         make_room(group_of, ends.len());
         let mut groups = ColorGroups { rounds, colors: 0, are_plain: true };
         for (number, own) in ends.iter().enumerate() {
-            let &ContactEnds { a, b, points, is_plain } = own;
+            let &ContactEnds { a, b, points, is_plain, .. } = own;
             if direct.holds(number) || newton.holds(number) {
                 group_of.push(HELD);
                 continue;

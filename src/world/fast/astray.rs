@@ -25,13 +25,25 @@ impl Start {
         Self { pose, linear: body.linear_velocity, angular: body.angular_velocity }
     }
 
-    /// Whether a step of length `dt` (s) has taken it off its way; `reach` is how far it reaches from its centre (m).
-    pub(in crate::world) fn goes_astray(&self, motion: &BodyMotion, dt: f32, (reach, least_extent): (f32, f32)) -> bool {
+    /// Whether a step of length `dt` (s) has taken it off its way; `reach` is how far it reaches from its centre, and `carried_by` how far a
+    /// turn takes what it is made of (m).
+    pub(in crate::world) fn goes_astray(
+        &self,
+        motion: &BodyMotion,
+        dt: f32,
+        (reach, least_extent): (f32, f32),
+        carried_by: impl Fn(Vec3) -> f32,
+    ) -> bool {
         if reach > SLENDER * least_extent {
             return false;
         }
         let aside = (motion.displacement - self.linear * dt).length();
-        let turned_aside = (motion.turn - self.angular * dt).length();
-        aside + turned_aside * reach > SWEEP_THRESHOLD * least_extent || motion.turn.length() > FAR_TURN
+        let turned_aside = motion.turn - self.angular * dt;
+        let is_far = |by: &dyn Fn(Vec3) -> f32| {
+            aside + by(turned_aside) > SWEEP_THRESHOLD * least_extent || by(motion.turn) > FAR_TURN * reach
+        };
+        // What is round and stays about where it is comes nowhere else by spinning.
+        let moves = motion.displacement.length() > SWEEP_THRESHOLD * least_extent;
+        is_far(&|turn| turn.length() * reach) && (moves || is_far(&carried_by))
     }
 }

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::body::{Body, SleepState, within_limit};
 use crate::collide::collider::Collider;
+use crate::collide::round_features::carried_by;
 use crate::collide::sweep::BodyPose;
 use crate::dwell_time::DwellTime;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
@@ -133,6 +134,18 @@ impl BodyRecords<'_> {
             }
         }
         (reach, least_extent)
+    }
+
+    /// How far a turn (rad) takes what the shapes of a body are made of, at most (m).
+    fn carried_by(&self, index: u32, turn: Vec3) -> f32 {
+        let Some(body) = &self.bodies.get(index).value else { return 0.0 };
+        let shapes =
+            body.shapes.iter().filter_map(|&id| self.colliders.get(Pool::<Collider, ShapeId>::place_of(id)).value.as_ref());
+        let ways = shapes.map(|collider| {
+            let place = (collider.offset_on(body), collider.place.1);
+            carried_by(&collider.shape, place, turn).unwrap_or(turn.length() * collider.reach)
+        });
+        ways.fold(0.0, f32::max)
     }
 }
 
@@ -308,7 +321,8 @@ impl Moves<'_> {
                 body.times.settling.count(steady, limits.dt);
             }
             let (reach, least_extent) = records.shapes_follow(member);
-            if let Some(start) = start.filter(|start| start.goes_astray(motion, limits.dt, (reach, least_extent))) {
+            let carried_by = |turn: Vec3| records.carried_by(member, turn);
+            if let Some(start) = start.filter(|start| start.goes_astray(motion, limits.dt, (reach, least_extent), carried_by)) {
                 noted.paths.push(Path { group, body: member, swept: Swept::FixedOnly });
                 noted.starts.push((member, start.pose));
             }
