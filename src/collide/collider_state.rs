@@ -128,11 +128,6 @@ impl ColliderState {
         self.still || self.is_driven
     }
 
-    /// Whether one body moves along against another so far in a step that a seam would be felt.
-    pub(crate) fn slides_on(&self, other: &Self, dt: f32) -> bool {
-        (self.velocity - other.velocity).length() * dt > MIN_GLIDE * self.least_extent.min(other.least_extent)
-    }
-
     /// Whether a round body moves over a flat one that moves too: how this one moves is judged against its neighbours.
     fn rolls_over(&self, other: &Self) -> bool {
         self.is_round && !other.is_round && !other.is_unmoved()

@@ -15,8 +15,7 @@
 //! A round shape does not tip over an end of J ahead of it within a step, as a flat one might: what is no higher than J's plane need not lie on J.
 //! Where the face of K behind e rises from that plane, by less than a step, the contact is put on that face: the shape comes to it before the step ends.
 //!
-//! Where pieces move, e must be so at the step's end, too, as J and K move there. Round shapes roll over whatever is flat. Blocks in a heap lie on
-//! each other, and most have no seams: those are looked at that touch another by a strip, face to face, no wider than surfaces are flush.
+//! Where pieces move, e must be so at the step's end, too, as J and K move there. Round shapes roll over whatever is flat.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -46,7 +45,7 @@ const UPRIGHT: f32 = 1.0e-4;
 /// share of 0.002, and may be turned from them by √(2·0.002).
 const UNSURE: f32 = 0.07;
 
-/// A pair of which one body moves over the other, or may.
+/// A pair of which one body moves over the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Glide {
     /// The body that moves.
@@ -55,44 +54,21 @@ pub(super) struct Glide {
     slot: u32,
     /// Whether that is the second.
     is_second: bool,
-    /// Whether the other has no seam, but tells what the body lies on.
-    is_plain: bool,
 }
 
 impl Glide {
-    /// Notes a pair that has been brought up to date, if a round shape of it moves over the other, or any over what can't be pushed, and for both
-    /// bodies, if they are blocks that touch by a strip.
-    pub(super) fn note(
-        (key, slot): (PairKey, u32),
-        pair: &Pair,
-        (a, b): (&ColliderState, &ColliderState),
-        colliders: &Pool<Collider, ShapeId>,
-        dt: f32,
-        glides: &mut Vec<Self>,
-    ) {
+    /// What there is to note of a pair that has been brought up to date: whether a round shape of it moves over the other.
+    pub(super) fn of(key: PairKey, slot: u32, pair: &Pair, (a, b): (&ColliderState, &ColliderState), dt: f32) -> Option<Self> {
         if !pair.may_touch || a.body == b.body {
-            return;
+            return None;
         }
         let is_second = a.is_ground_of(b);
         let (still, mover) = if is_second { (a, b) } else { (b, a) };
         // Blocks of a heap lie on each other's faces, and one by one they are no floor.
-        if mover.is_round || still.is_unmoved() {
-            glides.extend(mover.glides_over(still, dt).then_some(Self {
-                body: mover.body,
-                key,
-                slot,
-                is_second,
-                is_plain: false,
-            }));
-        } else if are_blocks(a, b) && (pair.pressed || a.slides_on(b, dt)) && meets_at_corners((key, pair), (a, b), colliders) {
-            glides.extend([(a, false), (b, true)].map(|(side, is_second)| Self {
-                body: side.body,
-                key,
-                slot,
-                is_second,
-                is_plain: false,
-            }));
+        if !(mover.is_round || still.is_unmoved()) {
+            return None;
         }
+        mover.glides_over(still, dt).then_some(Self { body: mover.body, key, slot, is_second })
     }
 
     /// Shape that is moved over.
@@ -102,44 +78,10 @@ impl Glide {
     }
 }
 
-/// Whether a pair is of flat shapes that move.
-fn are_blocks(a: &ColliderState, b: &ColliderState) -> bool {
-    !(a.is_round || b.is_round || a.is_unmoved() || b.is_unmoved())
-}
-
-/// Whether two shapes lie face to face along a strip that is no wider than surfaces are flush. So lies what rests on one of several flush pieces, to
-/// the bit over its rim, against the side of the next, by as much as it is sunk in.
-fn meets_at_corners(
-    (key, pair): (PairKey, &Pair),
-    (a, b): (&ColliderState, &ColliderState),
-    colliders: &Pool<Collider, ShapeId>,
-) -> bool {
-    let narrow_to = FLUSH * a.least_extent.min(b.least_extent);
-    pair.manifolds.iter().any(|manifold| {
-        let from_first = |place: &narrow::ManifoldPoint| place.on_a - manifold.points[0].on_a;
-        let along = manifold
-            .points
-            .iter()
-            .map(from_first)
-            .fold(Vec3::ZERO, |most, way| if way.length_squared() > most.length_squared() { way } else { most });
-        let along = along.normalize_or_zero();
-        let is_strip = manifold.points.iter().all(|place| from_first(place).reject_from_normalized(along).length() <= narrow_to);
-        let (shape_a, shape_b) = key.shapes();
-        let [shape_a, shape_b] = [shape_a, shape_b].map(|shape| &colliders[shape].shape);
-        is_strip && manifold.points.len() > 1 && {
-            let [part_a, part_b] = narrow::parts_of(shape_b, manifold.part);
-            let seen_from_b = b.rotation.conjugate() * (a.rotation * -manifold.normal);
-            narrow::is_face_normal(shape_a, part_a, manifold.normal) && narrow::is_face_normal(shape_b, part_b, seen_from_b)
-        }
-    })
-}
-
 /// A point at which a body moves over a shape.
 #[derive(Debug, Clone, Copy)]
 struct GlidePoint {
     slot: u32,
-    /// As [`Glide::is_plain`].
-    is_plain: bool,
     number: usize,
     point: usize,
     /// Shape that moves over another.
@@ -158,8 +100,6 @@ struct GlidePoint {
 #[derive(Debug, Default)]
 pub(super) struct Seams {
     glides: Vec<Glide>,
-    /// Bodies of blocks that touch others by a strip.
-    blocks: Vec<u32>,
     points: Vec<GlidePoint>,
     corners: narrow::Corners,
 }
@@ -167,39 +107,11 @@ pub(super) struct Seams {
 impl World {
     /// Leaves out contacts with the edges of flush neighbours of what a body moves over.
     pub(super) fn leave_out_seams(&mut self, dt: f32) {
-        let Self { collision: Collision { pairs, index, touches, .. }, colliders, bodies, scratch, .. } = self;
-        let Seams { glides, blocks, points, corners } = &mut scratch.seams;
+        let Self { collision: Collision { pairs, index, .. }, colliders, bodies, scratch, .. } = self;
+        let Seams { glides, points, corners } = &mut scratch.seams;
         glides.clear();
         scratch.glides.iter_mut().for_each(|found| glides.append(found));
-        blocks.clear();
-        let states_of = |key: PairKey| <[u32; 2]>::from(key.shapes()).map(|shape| index.collider_state(shape));
-        blocks.extend(
-            glides
-                .iter()
-                .filter(|glide| {
-                    let [a, b] = states_of(glide.key);
-                    are_blocks(a, b)
-                })
-                .map(|glide| glide.body),
-        );
-        if !blocks.is_empty() {
-            // What they lie on is told by all that they touch.
-            blocks.sort_unstable();
-            blocks.dedup();
-            for touch in touches.touching() {
-                let found = [(touch.bodies[0], false), (touch.bodies[1], true)];
-                let found = found.into_iter().filter(|(body, _)| blocks.binary_search(body).is_ok());
-                glides.extend(found.map(|(body, is_second)| Glide {
-                    body,
-                    key: pairs.get(touch.slot).key,
-                    slot: touch.slot,
-                    is_second,
-                    is_plain: true,
-                }));
-            }
-        }
         glides.sort_unstable();
-        glides.dedup_by_key(|glide| (glide.body, glide.slot));
         for glides in glides.chunk_by(|a, b| a.body == b.body) {
             let is_at_seam = glides.len() > 1 || colliders[glides[0].still()].shape.is_compound();
             if !is_at_seam {
@@ -210,8 +122,7 @@ impl World {
             for glide in glides {
                 ground.list_points(glide, pairs.get(glide.slot), corners, points);
             }
-            let manifolds = points.chunk_by(|a, b| (a.slot, a.number) == (b.slot, b.number));
-            for manifold in manifolds.filter(|manifold| !manifold[0].is_plain) {
+            for manifold in points.chunk_by(|a, b| (a.slot, a.number) == (b.slot, b.number)) {
                 let carrier_of = |e: &GlidePoint| points.iter().find(|f| ground.carries(f, e, points));
                 let first = &manifold[0];
                 let extent = index.least_extent(pairs.get(first.slot).key);
@@ -251,7 +162,6 @@ impl Ground<'_> {
             let part = narrow::parts_of(&colliders[b].shape, manifold.part)[usize::from(!glide.is_second)];
             let of = |normal: Vec3, point: usize, at: Vec3, separation: f32| GlidePoint {
                 slot: glide.slot,
-                is_plain: glide.is_plain,
                 number,
                 point,
                 mover,
