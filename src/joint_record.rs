@@ -130,6 +130,11 @@ impl Joint {
         }
     }
 
+    /// Whether it bore more in the last step than the load from which on it is reported.
+    pub(crate) fn is_overloaded(&self) -> bool {
+        self.force.length() > self.def.break_force || self.torque.length() > self.def.break_torque
+    }
+
     /// How fast its stops and frames move in this step, if at all.
     pub(crate) fn drive(&self) -> Option<&DriveRates> {
         self.drive.as_ref().map(|drive| &drive.solved)

@@ -301,7 +301,7 @@ impl World {
         &self.report
     }
 
-    /// What the world was made with; gravity is that of now.
+    /// What the world was made with, and what has been set since: gravity, effort, sleep, thresholds, support.
     pub fn def(&self) -> &WorldDef {
         &self.def
     }

@@ -80,9 +80,9 @@ pub struct LsBodyDef {
     pub angular_velocity: [f32; 3],
     /// Where its mass comes from. A dynamic body needs a shape with density, or LS_MASS_PROPERTIES.
     pub mass: LsMass,
-    /// Rate at which linear velocity decays (1/s), >= 0; default 0.
+    /// Rate k at which linear velocity decays (1/s), >= 0; default 0. Implicit: v / (1 + k h) in a substep of length h (s).
     pub linear_damping: f32,
-    /// Rate at which angular velocity decays (1/s), >= 0; default 0.
+    /// Rate k at which angular velocity decays (1/s), >= 0; default 0. Implicit: v / (1 + k h) in a substep of length h (s).
     pub angular_damping: f32,
     /// Factor on the world's gravity; default 1.
     pub gravity_scale: f32,

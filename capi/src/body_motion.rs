@@ -40,7 +40,7 @@ pub unsafe extern "C" fn ls_body_pose_set(world: LsWorld, body: LsBody, pose: *c
 }
 
 /// Says where a kinematic body shall be at the end of the next step; it moves there with the velocity that takes, and then
-/// stands still unless it is told again.
+/// stands still unless it is told again. A velocity or a pose that it is given before that step ends this: the last call counts.
 ///
 /// @param world   the world; any value is safe
 /// @param body    a body of that world; any value is safe
@@ -88,7 +88,7 @@ pub unsafe extern "C" fn ls_body_linear_velocity_get(world: LsWorld, body: LsBod
     })
 }
 
-/// Sets the velocity of a body's centre of mass (m/s).
+/// Sets the velocity of a body's centre of mass (m/s). A kinematic body forgets where ls_body_move_to was to take it in the next step.
 ///
 /// @param world            the world; any value is safe
 /// @param body             a body of that world; any value is safe
@@ -121,7 +121,7 @@ pub unsafe extern "C" fn ls_body_angular_velocity_get(world: LsWorld, body: LsBo
     })
 }
 
-/// Sets the angular velocity of a body, world axes (rad/s).
+/// Sets the angular velocity of a body, world axes (rad/s). A kinematic body forgets where ls_body_move_to was to take it in the next step.
 ///
 /// @param world             the world; any value is safe
 /// @param body              a body of that world; any value is safe

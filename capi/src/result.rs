@@ -126,6 +126,9 @@ fn name_in_c(argument: &'static str) -> Cow<'static, str> {
         "motor.velocity" => "motor_drive.target_velocity",
         "motor.max_speed" => "motor_drive.max_speed",
         "motor.max_torque" => "spherical_motor.max_torque",
+        "strength.damage.from" => "strength.damage_from",
+        "strength.damage.time" => "strength.damage_time",
+        "strength.damage.half_life" => "strength.damage_half_life",
         _ => return of_axis(argument).map_or(Cow::Borrowed(argument), Cow::Owned),
     };
     Cow::Borrowed(own)

@@ -33,7 +33,8 @@ unsafe impl Sync for OverloadHandler {}
 
 /// Steps a world by dt, then calls its callbacks.
 ///
-/// A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined_bodies_get); the rest goes on.
+/// A body that the step would have given a state that is NaN or infinite, or a position more than 1e9 m from the origin, is quarantined
+/// (ls_world_quarantined_bodies_get); the rest goes on.
 /// @param world  the world; any value is safe
 /// @param dt     step (s), 1e-6 to 1; the same each time gives the best results, 1/60 is usual
 /// @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_PANIC
@@ -207,8 +208,8 @@ pub unsafe extern "C" fn ls_world_overloaded_joints_get(
     })
 }
 
-/// Bodies that the last step would have given a state that is NaN or infinite. They stay where they were, without contacts, until
-/// the host gives them a pose or velocity.
+/// Bodies that the last step would have given a state that is NaN or infinite, or a position more than 1e9 m from the origin. They stay where
+/// they were, without contacts, until the host gives them a pose or velocity.
 ///
 /// @param world  the world; any value is safe
 /// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its

@@ -741,9 +741,9 @@ typedef struct LsBodyDef {
     float angular_velocity[3];
     /** Where its mass comes from. A dynamic body needs a shape with density, or LS_MASS_PROPERTIES. */
     struct LsMass mass;
-    /** Rate at which linear velocity decays (1/s), >= 0; default 0. */
+    /** Rate k at which linear velocity decays (1/s), >= 0; default 0. Implicit: v / (1 + k h) in a substep of length h (s). */
     float linear_damping;
-    /** Rate at which angular velocity decays (1/s), >= 0; default 0. */
+    /** Rate k at which angular velocity decays (1/s), >= 0; default 0. Implicit: v / (1 + k h) in a substep of length h (s). */
     float angular_damping;
     /** Factor on the world's gravity; default 1. */
     float gravity_scale;
@@ -2688,7 +2688,8 @@ LsResult ls_world_destroy(LsWorld world);
 LsResult ls_world_report_get(LsWorld world, LsStepReport *out, size_t size);
 
 /**
- * The definition that the world has now: as it was created, with the present gravity.
+ * The definition that the world has now: as it was created, with what has been set since, which is gravity, effort, sleep, thresholds of hits and of
+ * restitution, whether support is kept up, and all else that has a call to set it.
  *
  * @param world  the world; any value is safe
  * @param out    filled on LS_OK
@@ -2839,7 +2840,8 @@ LsResult ls_world_poses_get(LsWorld world, const LsBody *bodies, size_t count, L
 /**
  * Steps a world by dt, then calls its callbacks.
  *
- * A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined_bodies_get); the rest goes on.
+ * A body that the step would have given a state that is NaN or infinite, or a position more than 1e9 m from the origin, is quarantined
+ * (ls_world_quarantined_bodies_get); the rest goes on.
  * @param world  the world; any value is safe
  * @param dt     step (s), 1e-6 to 1; the same each time gives the best results, 1/60 is usual
  * @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_PANIC
@@ -2935,8 +2937,8 @@ LsResult ls_world_contacts_ended_get(LsWorld world, const LsContactPair **out, s
 LsResult ls_world_overloaded_joints_get(LsWorld world, const LsJointOverload **out, size_t *count);
 
 /**
- * Bodies that the last step would have given a state that is NaN or infinite. They stay where they were, without contacts, until
- * the host gives them a pose or velocity.
+ * Bodies that the last step would have given a state that is NaN or infinite, or a position more than 1e9 m from the origin. They stay where
+ * they were, without contacts, until the host gives them a pose or velocity.
  *
  * @param world  the world; any value is safe
  * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
@@ -3568,7 +3570,7 @@ LsResult ls_body_pose_set(LsWorld world, LsBody body, const LsPose *pose);
 
 /**
  * Says where a kinematic body shall be at the end of the next step; it moves there with the velocity that takes, and then
- * stands still unless it is told again.
+ * stands still unless it is told again. A velocity or a pose that it is given before that step ends this: the last call counts.
  *
  * @param world   the world; any value is safe
  * @param body    a body of that world; any value is safe
@@ -3602,7 +3604,7 @@ LsResult ls_body_center_of_mass_get(LsWorld world, LsBody body, double out[3]);
 LsResult ls_body_linear_velocity_get(LsWorld world, LsBody body, float out[3]);
 
 /**
- * Sets the velocity of a body's centre of mass (m/s).
+ * Sets the velocity of a body's centre of mass (m/s). A kinematic body forgets where ls_body_move_to was to take it in the next step.
  *
  * @param world            the world; any value is safe
  * @param body             a body of that world; any value is safe
@@ -3625,7 +3627,7 @@ LsResult ls_body_linear_velocity_set(LsWorld world, LsBody body, const float lin
 LsResult ls_body_angular_velocity_get(LsWorld world, LsBody body, float out[3]);
 
 /**
- * Sets the angular velocity of a body, world axes (rad/s).
+ * Sets the angular velocity of a body, world axes (rad/s). A kinematic body forgets where ls_body_move_to was to take it in the next step.
  *
  * @param world             the world; any value is safe
  * @param body              a body of that world; any value is safe
@@ -3747,7 +3749,8 @@ LsResult ls_body_mass_set(LsWorld world, LsBody body, const LsMass *mass);
 LsResult ls_body_damping_get(LsWorld world, LsBody body, float *linear, float *angular);
 
 /**
- * Sets the rates at which velocities decay.
+ * Sets the rates at which velocities decay. That is implicit: a rate k makes v / (1 + k h) of a velocity v in each substep of length h (s), which is
+ * v exp(-k t) for small k h, and never turns a velocity around.
  *
  * @param world    the world; any value is safe
  * @param body     a body of that world; any value is safe
@@ -3878,7 +3881,8 @@ LsResult ls_body_wake(LsWorld world, LsBody body);
 LsResult ls_body_sleep(LsWorld world, LsBody body);
 
 /**
- * Net force of all contacts on a body in the last substep (N).
+ * Net force of all contacts on a body in the last substep (N): of those that there were then, also where what touched it has been destroyed or moved
+ * since.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe

@@ -5,7 +5,7 @@ use glam::{Mat3, Quat, Vec3};
 use super::rotation::{self, MAX_TURN};
 use super::state::{BodyMotion, BodyVelocity, Constraints, MotionKind, Symmetric};
 use crate::linalg::rotation32::{NEGLIGIBLE_SPEED, quaternion_of, rotated, settled};
-use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, is_at_limit, is_beyond_limit};
 use crate::tuning::needles::NEEDLE;
 
 /// Rotation since the last refresh, times the ratio of greatest to least inertia, after which the world inertia of an unjointed
@@ -57,9 +57,9 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
     motion.displacement += velocity.linear * h;
     if motion.is_dynamic() && motion.constraints != Constraints::Holding {
         // The velocity has gained the whole substep's acceleration; a free path is a parabola.
-        let share = share_gained(velocity.linear, motion.acceleration, motion.linear_damping);
-        motion.displacement -=
-            Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration * (0.5 * share * h * h), Vec3::ZERO);
+        let acceleration = Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration, Vec3::ZERO);
+        let share = share_gained(velocity.linear, acceleration, motion.linear_damping, h);
+        motion.displacement -= acceleration * (0.5 * share * h * h);
     }
     let turned = turn(velocity, motion, h);
     motion.turn += turned.mean * h;
@@ -70,12 +70,19 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
 /// Share of its acceleration `a` (m/s²) that a body of velocity `v` gains in speed, as damping `c` (1/s) takes the rest: none of it at
 /// a/c, the speed at which it goes on falling. What only slows down has all of it, as without damping: the sum of h v over its substeps
 /// is v/c then, which is how far it comes.
-pub(crate) fn share_gained(v: Vec3, a: Vec3, c: f32) -> f32 {
+///
+/// None of it at the greatest speed either, where the rest of it is cut off; nor where the substep of length `h` (s) would have to have begun
+/// beyond that speed. So the mean of its velocity in the substep, v − ½ h a share, is no faster than the greatest speed.
+pub(crate) fn share_gained(v: Vec3, a: Vec3, c: f32, h: f32) -> f32 {
     let squared = a.length_squared();
-    if c == 0.0 || squared == 0.0 {
+    if squared == 0.0 {
         return 1.0;
     }
-    (1.0 - c * (v.dot(a) / squared)).clamp(0.0, 1.0)
+    let share = if c == 0.0 { 1.0 } else { (1.0 - c * (v.dot(a) / squared)).clamp(0.0, 1.0) };
+    if is_at_limit(v) || is_beyond_limit(v - a * (h * share)) {
+        return 0.0;
+    }
+    share
 }
 
 /// Where a body would be at the end of the substep at its present velocity.

@@ -111,7 +111,8 @@ impl World {
         self.change_velocities(body, |record| record.angular_velocity = velocity)
     }
 
-    /// Moves a kinematic body so that it has this pose at the end of the next step.
+    /// Moves a kinematic body so that it has this pose at the end of the next step, unless it is given a velocity or a pose before: the last
+    /// call is what counts.
     ///
     /// # Errors
     /// The handle is not a body of this world; the body is not kinematic; the pose is refused as in
@@ -226,7 +227,8 @@ impl World {
         Ok(())
     }
 
-    /// Gives a body other velocities and wakes what they may move. A kinematic body that moves already has nothing asleep on it.
+    /// Gives a body other velocities, in place of a target that it was to move to, and wakes what they may move. A kinematic body that
+    /// moves already has nothing asleep on it.
     fn change_velocities(&mut self, body: BodyId, edit: impl FnOnce(&mut Body)) -> Result<()> {
         let index = self.bodies.find(body)?;
         let record = &mut self.bodies[index];
@@ -237,6 +239,7 @@ impl World {
         edit(record);
         record.stop_along_locked_axes();
         record.kinematic.driven = false;
+        record.take_target();
         if record.acts_as() == BodyKind::Dynamic || (stood && record.is_mover()) {
             self.wake_for(Edited::Body(index));
         }

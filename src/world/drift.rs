@@ -22,6 +22,8 @@
 //! * A spring that swings at the angular frequency ω passes its balance at the rate of ω times its amplitude, and is slow where it turns back.
 //!   It must have been slower than ω times [`ARRIVED`] for a quarter of its period, which takes it from there to where it is fastest.
 //!
+//! A joint that bears more than the load from which on it is reported is at work, too: the host is told of that load in each step.
+//!
 //! Where a joint is at work, the island is watched from half the time on again.
 
 use std::f32::consts::FRAC_PI_2;
@@ -215,10 +217,10 @@ impl World {
         })
     }
 
-    /// Whether a joint moves its bodies towards something.
+    /// Whether a joint moves its bodies towards something, or bears more than its limit.
     fn joint_works(&self, slot: u32, quiet_for: f32) -> bool {
         let joint = &self.joints[slot];
-        if self.motor_strains(joint) {
+        if joint.is_overloaded() || self.motor_strains(joint) {
             return true;
         }
         let ends = [self.end(joint, 0), self.end(joint, 1)];

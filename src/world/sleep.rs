@@ -8,6 +8,7 @@ use crate::collide::cache::Fate;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::BodyId;
 use crate::island::SleepingIsland;
+use crate::joint_record::Joint;
 
 impl World {
     /// Whether a body is awake; static and kinematic ones always are, what is welded to static ones and may sleep never is.
@@ -26,7 +27,8 @@ impl World {
             return false;
         }
         let mut joints = body.joints.iter().filter_map(|&id| self.joints.find(id).ok()).map(|slot| &self.joints[slot]);
-        !joints.any(|joint| joint.strain.as_ref().is_some_and(|strain| strain.is_at_work(&joint.def.strength)))
+        let wears = |joint: &Joint| joint.strain.as_ref().is_some_and(|strain| strain.is_at_work(&joint.def.strength));
+        !joints.any(|joint| joint.is_overloaded() || wears(joint))
     }
 
     /// Wakes a body and its island.

@@ -62,8 +62,8 @@ impl World {
         let moves = |union: &&Union| union.anchor != Anchor::Free || bodies[union.lead].is_mover();
         for &slot in unions.iter().filter(|union| union.wanted).filter(moves).flat_map(|union| &union.fixed_links) {
             let joint = &joints[slot];
-            let (force, torque) = (joint.force.length(), joint.torque.length());
-            if force > joint.def.break_force || torque > joint.def.break_torque {
+            if joint.is_overloaded() {
+                let (force, torque) = (joint.force.length(), joint.torque.length());
                 let user_word = joint.def.user_word;
                 events.overloaded.push(JointOverload { joint: joints.handle_of(slot), user_word, force, torque });
             }

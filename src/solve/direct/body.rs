@@ -124,9 +124,9 @@ impl DirectBody {
     }
 
     /// As [`integrate::share_gained`].
-    pub(crate) fn share_gained(&self, rate: &Rate) -> f64 {
+    pub(crate) fn share_gained(&self, rate: &Rate, h: f64) -> f64 {
         let (v, a) = (rate.linear.as_vec3(), self.acceleration.as_vec3());
-        f64::from(integrate::share_gained(v, a, self.linear_damping as f32))
+        f64::from(integrate::share_gained(v, a, self.linear_damping as f32, h as f32))
     }
 
     /// By how much heavier it answers along and about its axes in a substep of length `h` (s): 1 + h c.

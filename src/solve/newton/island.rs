@@ -428,7 +428,7 @@ impl CoupledIsland {
                 }
                 body.limit_speed(rate);
                 let mean = match fall {
-                    Some(acceleration) => rate.linear - acceleration * (0.5 * h * body.share_gained(rate)),
+                    Some(acceleration) => rate.linear - acceleration * (0.5 * h * body.share_gained(rate, h)),
                     None if pressed[next] => rate.linear,
                     // A free path is a parabola.
                     None => (rate.linear + before.linear) * 0.5,

@@ -10,7 +10,7 @@
 //!
 //! * **Engaged** once all of its bodies have been calm for [`CALM_TIME`], at [`UNIT_CALM_SHARE`] of what gravity adds in a step, but for
 //!   ends that hang on one joint each, fewer than half of them; it touches something, nothing overlaps by more than [`OVERLAP_SHARE`], and its
-//!   joints are passive: rigid, without motors and friction, none of which can break.
+//!   joints are passive: rigid, without motors and friction, none of which can break or bears more than its limit.
 //! * **Released** whole, before the step is solved, by whatever releases an island, by an end that touches more than one thing, by a body
 //!   beside it that brings more momentum than [`BLOW_SHARE`] of what gravity gives the unit in a step, and once the load of a body is
 //!   another one by [`LOAD_SHARE`] of what it bears and weighs. It is held again where it is still calm [`AGAIN_TIME`] later, under what
@@ -392,4 +392,5 @@ fn is_passive(head: &JointHead, joints: &Pool<Joint, JointId>, slot: u32) -> boo
         && traits.gives_by_motors_alone
         && traits.solver != Solver::GaussSeidel
         && joints[slot].strain.is_none()
+        && !joints[slot].is_overloaded()
 }

@@ -10,6 +10,17 @@ use crate::joint_graph::support::verdict::{BodySupport, SupportChange, Verdict};
 use crate::joint_graph::support::{NodeKind, SupportLink, SupportNode};
 use crate::world::World;
 
+/// What no joints hold up, and what they do not tie to the body that is asked of: beyond any number of joints.
+const LOOSE: u32 = u32::MAX - 1;
+const OUTSIDE: u32 = u32::MAX;
+
+/// Whether, of two bodies that a joint ties together, `upper` hangs on `lower`, the joints that each is away from the ground being these.
+fn hangs_on(state: &SupportState, hops: &[u32], upper: u32, lower: u32) -> bool {
+    let is_ground = |body: u32| state.graph.node(body).is_some_and(|node| node.kind == NodeKind::Ground);
+    let [above, below] = [upper, lower].map(|body| hops[body as usize]);
+    !is_ground(upper) && above < LOOSE && (below < above || is_ground(lower))
+}
+
 /// Answers are those of the end of the last step. Every call fails if the analysis is off ([`set_support`](Self::set_support)),
 /// or if a handle is not a body of this world.
 impl World {
@@ -92,10 +103,11 @@ impl World {
     pub fn supporters(&self, body: BodyId) -> Result<Vec<BodyId>> {
         let index = self.bodies.find(body)?;
         let state = self.analysis()?;
-        let Some(node) = state.graph.node(index) else { return Ok(Vec::new()) };
+        let (Some(_), Some(node)) = (state.frame, state.graph.node(index)) else { return Ok(Vec::new()) };
         let below = node.below.iter().filter(|&&link| state.graph.is_supporting(link)).map(|&link| state.graph.link(link).lower);
         let is_supported = |other: u32| self.verdict(state, other).verdict.is_supported();
-        let tied = self.tied_to(index).filter(|&other| is_supported(other));
+        let hops = self.hops_to_ground(state, index);
+        let tied = self.ties_of(state, index).into_iter().filter(|&other| hangs_on(state, &hops, index, other));
         let braces = self.lifts(state, index).into_iter().map(|(other, _)| other).filter(|&other| is_supported(other));
         Ok(self.handles(below.chain(tied).chain(braces)))
     }
@@ -107,12 +119,12 @@ impl World {
     pub fn supported_by(&self, body: BodyId) -> Result<Vec<BodyId>> {
         let index = self.bodies.find(body)?;
         let state = self.analysis()?;
-        let Some(node) = state.graph.node(index) else { return Ok(Vec::new()) };
+        let (Some(_), Some(node)) = (state.frame, state.graph.node(index)) else { return Ok(Vec::new()) };
         let above = node.above.iter().filter(|&&link| state.graph.is_supporting(link)).map(|&link| state.graph.link(link).upper);
-        let carries = node.kind == NodeKind::Ground || node.stands();
-        let hangs = |&other: &u32| carries && self.verdict(state, other).verdict == Verdict::HeldByJoints;
+        let hops = self.hops_to_ground(state, index);
+        let hangs = self.ties_of(state, index).into_iter().filter(|&other| hangs_on(state, &hops, other, index));
         let leaning = if state.thrust.braces_any() { self.lifted_by(state, index) } else { Vec::new() };
-        Ok(self.handles(above.chain(self.tied_to(index).filter(hangs)).chain(leaning)))
+        Ok(self.handles(above.chain(hangs).chain(leaning)))
     }
 
     /// Force with which everything that stands on a body presses it down, along gravity, in the last substep (N).
@@ -139,7 +151,8 @@ impl World {
     }
 
     /// The way that a body's weight takes to the ground: from the body itself to one that needs no support, each carrying the one
-    /// before it, by the most loaded contact of each. Empty for a body without support; a joint to the world itself ends the way.
+    /// before it, by the most loaded contact of each, or by as few joints as there can be. Empty for a body without support; a joint to
+    /// the world itself ends the way.
     ///
     /// # Errors
     /// As said above.
@@ -167,16 +180,15 @@ impl World {
                 let supporting = node.below.iter().copied().filter(|&link| state.graph.is_supporting(link));
                 let heaviest = supporting.max_by(|&a, &b| load(a).total_cmp(&load(b)));
                 next = heaviest.map(|link| state.graph.link(link).lower);
-            } else if state.thrust.braces(index) {
-                let unseen = self.lifts(state, index).into_iter().filter(|&(other, _)| !seen[other as usize]);
-                next = unseen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(other, _)| other);
-            } else {
-                let way = self.way_along_joints(state, index);
-                for &body in way.iter().take(way.len().saturating_sub(1)) {
-                    seen[body as usize] = true;
-                    path.push(self.bodies.handle_of(body));
-                }
-                next = way.last().copied();
+                continue;
+            }
+            let unseen = self.lifts(state, index).into_iter().filter(|&(other, _)| !seen[other as usize]);
+            next = unseen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(other, _)| other);
+            if next.is_none() {
+                let mut way = self.way_along_joints(state, index);
+                next = way.pop();
+                let new = way.into_iter().take_while(|&body| !std::mem::replace(&mut seen[body as usize], true));
+                path.extend(new.map(|body| self.bodies.handle_of(body)));
             }
         }
         Ok(path)
@@ -293,32 +305,70 @@ impl World {
         joints.flat_map(|slot| self.joints[slot].bodies).flatten().filter(move |&other| other != index)
     }
 
-    /// The shortest way along joints from a body to one that stands by itself or is ground; the body itself is left out.
-    fn way_along_joints(&self, state: &SupportState, start: u32) -> Vec<u32> {
-        let mut came_from = vec![u32::MAX; self.bodies.slot_count()];
-        let mut queue = vec![start];
-        came_from[start as usize] = start;
-        let mut next = 0;
-        while next < queue.len() {
-            let body = queue[next];
+    /// The same by joints that can carry weight, of bodies that are part of the analysis and not both ground.
+    fn ties_of(&self, state: &SupportState, index: u32) -> Vec<u32> {
+        use NodeKind::{Body, Ground};
+        let kind = |body: u32| state.graph.node(body).map(|node| node.kind);
+        let may_carry = |&other: &u32| {
+            let kinds = (kind(index), kind(other));
+            other != index && matches!(kinds, (Some(Body), Some(Body | Ground)) | (Some(Ground), Some(Body)))
+        };
+        let joints = self.bodies[index].joints.iter().filter_map(|&joint| self.joints.find(joint).ok());
+        let holding = joints.filter(|&slot| self.holds_up(&self.joints[slot]));
+        holding.flat_map(|slot| self.joints[slot].bodies).flatten().filter(may_carry).collect()
+    }
+
+    /// Of each body that joints tie to `start`, how many of them it takes to come to what stands without: 0 for the ground and what contacts
+    /// hold up, 1 for what a joint holds to these or to the world, [`LOOSE`] where none do.
+    ///
+    /// Of two bodies that a joint connects, the one with more of them hangs on the other. Where both have as many, as the middle of a
+    /// bridge that is held on both sides, neither does.
+    fn hops_to_ground(&self, state: &SupportState, start: u32) -> Vec<u32> {
+        let stands = |body: u32| {
+            state.graph.node(body).is_some_and(|node| node.kind == NodeKind::Ground || node.stands())
+                || !self.lifts(state, body).is_empty()
+        };
+        let mut hops = vec![OUTSIDE; self.bodies.slot_count()];
+        hops[start as usize] = LOOSE;
+        let (mut tied, mut next) = (vec![start], 0);
+        while let Some(&body) = tied.get(next) {
             next += 1;
-            let is_end = |node: &SupportNode| node.kind == NodeKind::Ground || node.stands();
-            if body != start && state.graph.node(body).is_some_and(is_end) {
-                let mut way = vec![body];
-                while came_from[way[way.len() - 1] as usize] != start {
-                    way.push(came_from[way[way.len() - 1] as usize]);
-                }
-                way.reverse();
-                return way;
-            }
-            for other in self.tied_to(body) {
-                if came_from[other as usize] == u32::MAX {
-                    came_from[other as usize] = body;
-                    queue.push(other);
-                }
+            if body == start || !stands(body) {
+                let others = self.ties_of(state, body).into_iter();
+                tied.extend(others.filter(|&other| std::mem::replace(&mut hops[other as usize], LOOSE) == OUTSIDE));
             }
         }
-        Vec::new()
+        let mut reached: Vec<u32> = tied.iter().copied().filter(|&body| stands(body)).collect();
+        reached.iter().for_each(|&body| hops[body as usize] = 0);
+        let mut further: Vec<u32> = tied.into_iter().filter(|&body| self.hangs_on_world(body)).collect();
+        for hop in 1.. {
+            further.extend(reached.drain(..).flat_map(|body| self.ties_of(state, body)));
+            further.retain(|&body| {
+                let is_new = hops[body as usize] == LOOSE;
+                if is_new {
+                    hops[body as usize] = hop;
+                }
+                is_new
+            });
+            if further.is_empty() {
+                break;
+            }
+            std::mem::swap(&mut reached, &mut further);
+        }
+        hops
+    }
+
+    /// Whether a joint that can carry weight holds a body to the world itself.
+    fn hangs_on_world(&self, index: u32) -> bool {
+        let mut joints = self.bodies[index].joints.iter().filter_map(|&joint| self.joints.find(joint).ok());
+        joints.any(|slot| self.joints[slot].bodies.contains(&None) && self.holds_up(&self.joints[slot]))
+    }
+
+    /// A shortest way along joints from a body to what stands without them, or to what a joint holds to the world; the body itself is left out.
+    fn way_along_joints(&self, state: &SupportState, start: u32) -> Vec<u32> {
+        let hops = self.hops_to_ground(state, start);
+        let below = |body: u32| self.ties_of(state, body).into_iter().find(|&other| hops[other as usize] < hops[body as usize]);
+        std::iter::successors(below(start), |&body| below(body)).collect()
     }
 
     /// Whether the pair of a link is still there: the graph is of the last step, and edits since may have given the pair up.

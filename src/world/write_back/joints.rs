@@ -104,8 +104,7 @@ fn store_joint(share: f32, entry: &JointEntry, joint: &mut Joint, noted: &mut Jo
         noted.stops.push((entry.joint, pressed & !joint.pressed));
     }
     joint.pressed = pressed;
-    let is_overloaded = || joint.force.length() > joint.def.break_force || joint.torque.length() > joint.def.break_torque;
-    if entry.can_be_overloaded && is_overloaded() {
+    if entry.can_be_overloaded && joint.is_overloaded() {
         noted.overloaded.push(entry.joint);
     }
 }
