@@ -35,6 +35,7 @@ mod joint_friction;
 mod jointed_rebounds;
 mod joints;
 mod landings;
+mod large_rounds;
 mod locked_axes;
 mod long_range;
 mod long_range_bounds;
