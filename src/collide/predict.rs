@@ -153,6 +153,7 @@ pub(super) fn collide(
     let shapes = [of_a.shape, of_b.shape];
     let is_jointed = of_a.is_jointed || of_b.is_jointed;
     let is_round = a.is_round || b.is_round;
+    found.scratch.turns = [of_a, of_b].map(|of| of.angular.length() * step.dt);
     if is_jointed || !is_round || !reach.is_pressed {
         found.collide(shapes, start, reach.margin);
         let nearest = found.nearest();

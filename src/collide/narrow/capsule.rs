@@ -17,7 +17,7 @@ const MAX_SKEW: f32 = 0.05;
 
 /// How far the normal may lean along either segment at a line of contact (sine): beside the end of a capsule, a point
 /// along the normal is then within 0.05 % of the radius of its surface.
-const MAX_LEAN: f32 = 0.03;
+pub(super) const MAX_LEAN: f32 = 0.03;
 
 /// Segments closer than this fraction of their lengths have no direction from one to the other.
 const CROSSING: f32 = 4.0 * f32::EPSILON;

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::capsule::Segment;
 use super::part::Part;
 
 /// Corners that stand for the rim of a cylinder or cone. They keep their places on the part, so that a resting contact does
@@ -69,6 +70,29 @@ pub(super) fn find(part: &Part, direction: Vec3, corners: &mut Vec<Corner>) -> F
             let lowest = (1..3).fold(0, |low, i| if along(i) < along(low) { i } else { low });
             corners.remove(lowest);
             Feature::Edge
+        }
+    }
+}
+
+/// Fills `corners` with the points of the surface of `part` that lie on what is nearly flat in the direction `down` (unit, in the part's frame):
+/// the corners of a face, the ends of an edge.
+pub(super) fn lying(part: &Part, down: Vec3, corners: &mut Vec<Corner>) {
+    match find(part, down, corners) {
+        Feature::Point => corners.clear(),
+        Feature::Face { .. } => {}
+        Feature::Edge => {
+            let segment = Segment::between(corners[0].0, corners[1].0);
+            let rise = down.dot(segment.half);
+            let rounding = part.rounding();
+            if rounding > 0.0 {
+                for (s, (end, _)) in [-1.0, 1.0].into_iter().zip(corners.iter_mut()) {
+                    *end += down * segment.depth_of(s, down, rounding);
+                }
+            }
+            // On a steep edge the upper end is far from the plane and adds nothing.
+            if 2.0 * rise * rise > segment.half.length_squared() {
+                corners.remove(usize::from(rise < 0.0));
+            }
         }
     }
 }

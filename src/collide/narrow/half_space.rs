@@ -3,9 +3,8 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 
-use super::capsule::Segment;
 use super::convex::{Buffers, LONE};
-use super::face::{self, Feature};
+use super::face;
 use super::part::Part;
 use super::reduce::{PointCandidate, reduce_into};
 use super::{Manifold, ManifoldPoint};
@@ -28,32 +27,15 @@ pub(super) fn half_space(normal: Vec3, part: &Part, relative: &Pose3, margin: f3
     let tie = TIE * part.reach();
     let Buffers { corners_b: corners, candidates, .. } = buffers;
     candidates.clear();
-    let candidate = |local: Vec3, depth: f32, feature: u32| {
-        let on_b = local + down * depth;
+    let candidate = |on_b: Vec3, feature: u32| {
         let surface = *relative * on_b;
         let separation = normal.dot(surface);
         PointCandidate { on_a: surface - normal * separation, on_b, separation, feature }
     };
-    match face::find(part, down, corners) {
-        Feature::Edge => {
-            let segment = Segment::between(corners[0].0, corners[1].0);
-            // On a steep edge the upper end is far from the plane and adds nothing.
-            let rise = down.dot(segment.half);
-            let steep = 2.0 * rise * rise > segment.half.length_squared();
-            for (s, &(at, id)) in [-1.0, 1.0].into_iter().zip(corners.iter()) {
-                if !steep || s * rise > 0.0 {
-                    let depth = if rounding > 0.0 { segment.depth_of(s, down, rounding) } else { 0.0 };
-                    candidates.push(candidate(at, depth, u32::from(id)));
-                }
-            }
-        }
-        Feature::Face { .. } => {
-            candidates.extend(corners.iter().map(|&(at, id)| candidate(at, 0.0, u32::from(id))));
-        }
-        Feature::Point => {}
-    }
+    face::lying(part, down, corners);
+    candidates.extend(corners.iter().map(|&(at, id)| candidate(at, u32::from(id))));
     if candidates.iter().all(|c| c.separation > lowest + tie) {
-        candidates.push(candidate(deepest, rounding, LONE));
+        candidates.push(candidate(deepest + down * rounding, LONE));
     }
     candidates.retain(|c| c.separation <= margin);
 

@@ -4,7 +4,8 @@
 //! collide ─┬─ a part against a part (part_pairs.rs) ─┬─ ball, capsule, box, the side of a cylinder: closed forms and clipping
 //!          │                                         ├─ half-space: the points nearest to its plane
 //!          │                                         ├─ triangle against ball, box: parry3d (triangle.rs)
-//!          │                                         └─ the rest: GJK, EPA, clipping (convex.rs)
+//!          │                                         ├─ the rest: GJK, EPA, clipping (convex.rs)
+//!          │                                         └─ with corners on what is round (lying.rs)
 //!          └─ composite.rs: parts of compounds, triangles of meshes and height fields near the other shape
 //! ```
 //!
@@ -32,6 +33,7 @@ mod face;
 mod half_space;
 pub(crate) mod impact;
 mod known_face;
+mod lying;
 mod near_edge;
 mod part;
 mod part_pairs;
@@ -115,6 +117,8 @@ impl Manifold {
 pub(crate) struct NarrowScratch {
     /// Normal of the pair's one contact in the last step, in A's frame: an argument of the call to come.
     pub last: Option<Vec3>,
+    /// How far each body may turn in the step (rad): an argument of the call to come.
+    pub turns: [f32; 2],
     polygons: convex::Buffers,
     triangle: triangle::TriangleBuffer,
     parts_a: Vec<u32>,
@@ -128,15 +132,16 @@ pub(crate) struct NarrowScratch {
 #[inline]
 pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     out.clear();
-    // The commonest pairs need nothing but their sizes, and balls are done before a call would be.
+    // The commonest pairs need nothing but their sizes, and balls are done before a call would be. No face of a box lies on a ball no larger
+    // than its least half extent.
     match (a.geometry(), b.geometry()) {
         (&Geometry::Ball { radius: radius_a }, &Geometry::Ball { radius: radius_b }) => {
             ball::append(ball::ball_ball(radius_a, radius_b, &relative, margin), out);
         }
-        (&Geometry::Box { half_extents }, &Geometry::Ball { radius }) => {
+        (&Geometry::Box { half_extents }, &Geometry::Ball { radius }) if radius <= half_extents.min_element() => {
             ball::append(ball::box_ball(half_extents, radius, &relative, margin), out);
         }
-        (&Geometry::Ball { radius }, &Geometry::Box { half_extents }) => {
+        (&Geometry::Ball { radius }, &Geometry::Box { half_extents }) if radius <= half_extents.min_element() => {
             ball::append(ball::ball_box(radius, half_extents, &relative, margin), out);
         }
         (&Geometry::Box { half_extents: half_a }, &Geometry::Box { half_extents: half_b }) => {

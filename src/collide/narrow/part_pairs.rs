@@ -5,10 +5,19 @@ use parry3d::math::Pose3;
 
 use super::capsule::Segment;
 use super::part::Part;
-use super::{Manifold, NarrowScratch, ball, box_box, capsule, capsule_box, convex, cylinder, half_space, triangle};
+use super::{Manifold, NarrowScratch, ball, box_box, capsule, capsule_box, convex, cylinder, half_space, lying, triangle};
 
 /// Appends the manifold of part `b`, placed at `relative` in A's frame, against part `a`, if they are near.
 pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
+    let before = out.len();
+    nearest(a, b, relative, margin, scratch, out);
+    for manifold in &mut out[before..] {
+        lying::widen([a, b], relative, margin, scratch.turns, &mut scratch.polygons, manifold);
+    }
+}
+
+/// The same with the nearest points alone where one of the two is round.
+fn nearest(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     match (a, b) {
         (&Part::Box { half_extents: half_a }, &Part::Box { half_extents: half_b }) => {
             box_box::box_box(half_a, half_b, relative, margin, out);
@@ -55,7 +64,7 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch
             let inverse = relative.inverse();
             let before = out.len();
             scratch.last = scratch.last.map(|last| inverse.rotation * -last);
-            collide(b, a, &inverse, margin, scratch, out);
+            nearest(b, a, &inverse, margin, scratch, out);
             for manifold in &mut out[before..] {
                 manifold.swap(&inverse);
             }

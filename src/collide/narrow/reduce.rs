@@ -38,33 +38,60 @@ pub(super) fn reduce_into(
     }
 }
 
+/// Adds to the points that `manifold` has as many of `candidates` as there is room for, those that span the largest area with them.
+pub(super) fn fill(
+    manifold: &mut Manifold,
+    candidates: &[PointCandidate],
+    tie: f32,
+    place: impl Fn(&PointCandidate) -> ManifoldPoint,
+) {
+    let known = usize::from(manifold.count);
+    if known == 0 || known + candidates.len() <= MAX_POINTS {
+        return reduce_into(manifold, candidates, tie, place);
+    }
+    let mut chosen = manifold.points.map(|point| point.on_a);
+    for count in known..MAX_POINTS {
+        let Some(next) = widest(&chosen[..count], candidates) else { return };
+        chosen[count] = candidates[next].on_a;
+        manifold.push(place(&candidates[next]));
+    }
+}
+
 fn choose(candidates: &[PointCandidate], tie: f32) -> ([usize; MAX_POINTS], usize) {
-    let at = |i: usize| candidates[i].on_a;
     let first = candidates
         .iter()
         .enumerate()
         .skip(1)
         .fold(0, |best, (i, c)| if c.separation < candidates[best].separation - tie { i } else { best });
-    let count = candidates.len();
-    let Some((second, _)) = largest(count, |i| at(i).distance_squared(at(first))) else {
-        return ([first, 0, 0, 0], 1);
-    };
-    let base = at(second) - at(first);
-    let area = |i: usize| base.cross(at(i) - at(first));
-    let Some((third, area_squared)) = largest(count, |i| area(i).length_squared()) else {
-        return ([first, second, 0, 0], 2);
-    };
-    let normal = area(third) / area_squared.sqrt();
-    let corners = [at(first), at(second), at(third)];
-    let outward = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).cross(normal));
-    // Area that a point adds to the triangle: that beyond the edge it is furthest out of.
-    let added = |i: usize| {
-        let beyond = |k: usize| outward[k].dot(at(i) - corners[k]);
-        beyond(0).max(beyond(1)).max(beyond(2))
-    };
-    match largest(count, added) {
-        Some((fourth, gain)) if gain > LEAD * area_squared.sqrt() => ([first, second, third, fourth], 4),
-        _ => ([first, second, third, 0], 3),
+    let mut kept = [first, 0, 0, 0];
+    let mut chosen = [candidates[first].on_a; MAX_POINTS];
+    for count in 1..MAX_POINTS {
+        let Some(next) = widest(&chosen[..count], candidates) else { return (kept, count) };
+        (kept[count], chosen[count]) = (next, candidates[next].on_a);
+    }
+    (kept, MAX_POINTS)
+}
+
+/// The candidate that spans the most with one to three points chosen before, if any spans more than they do.
+fn widest(chosen: &[Vec3], candidates: &[PointCandidate]) -> Option<usize> {
+    let (at, count) = (|i: usize| candidates[i].on_a, candidates.len());
+    let base = || chosen[1] - chosen[0];
+    match *chosen {
+        [first] => largest(count, |i| at(i).distance_squared(first)).map(|(second, _)| second),
+        [first, _] => largest(count, |i| base().cross(at(i) - first).length_squared()).map(|(third, _)| third),
+        [first, second, third] => {
+            let area = base().cross(third - first);
+            let size = area.length();
+            let corners = [first, second, third];
+            let outward = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).cross(area / size));
+            // Area that a point adds to the triangle: that beyond the edge it is furthest out of.
+            let added = |i: usize| {
+                let beyond = |k: usize| outward[k].dot(at(i) - corners[k]);
+                beyond(0).max(beyond(1)).max(beyond(2))
+            };
+            largest(count, added).filter(|&(_, gain)| gain > LEAD * size).map(|(fourth, _)| fourth)
+        }
+        _ => None,
     }
 }
 
