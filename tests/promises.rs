@@ -35,11 +35,8 @@ mod joint_friction;
 mod jointed_rebounds;
 mod joints;
 mod landings;
-<<<<<<< HEAD
-mod leaning;
-=======
 mod large_rounds;
->>>>>>> w/d
+mod leaning;
 mod locked_axes;
 mod long_range;
 mod long_range_bounds;
