@@ -1,11 +1,14 @@
 //! What bodies have of a joint that breaks: momentum as before, and no spin, energy or speed that it could not have given them.
 
 use crate::common::oracle::dice;
-use longspan::glam::{DVec3, Vec3};
+use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     Axis, BodyDef, BodyId, BondMaterial, Cells, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape,
     ShapeDef, Softness, Solver, Strength, World, WorldDef,
 };
+
+/// Turns x up.
+const UPRIGHT: Quat = Quat::from_xyzw(0.0, 0.0, std::f32::consts::FRAC_1_SQRT_2, std::f32::consts::FRAC_1_SQRT_2);
 
 fn solid(geometry: Geometry) -> ShapeDef {
     let material = Material { friction: 0.0, ..Material::default() };
@@ -148,6 +151,46 @@ fn cells_of_a_flying_solid_have_its_momentum() {
             for (found, expected) in momentum(&world, &bodies).into_iter().zip(expected) {
                 let off = (found - expected).length() / expected.length();
                 assert!(off < 1.0e-4, "{geometry:?}: cells have {found}, the solid {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_joint_above_its_limit_is_told_of_in_every_step_and_one_below_it_sleeps() {
+    let rod = JointKind::Distance { limits: Limits::new(1.0, 1.0), spring_length: None, motor: Motor::Off };
+    let slider = JointKind::Prismatic { limits: Limits::new(0.0, 0.1), motor: Motor::Off };
+    let turning = JointKind::Generic { linear: [Axis::LOCKED; 3], angular: [Axis::FREE, Axis::FREE, Axis::LOCKED] };
+    let kinds = [JointKind::Fixed, JointKind::HINGE, JointKind::SPHERICAL, rod, slider, turning];
+    let ways = kinds.into_iter().flat_map(|kind| [false, true].map(|is_inside| (kind.clone(), is_inside)));
+    for (kind, is_inside) in ways {
+        for (solver, rate) in
+            [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| [30.0, 60.0, 240.0].map(|rate| (solver, rate)))
+        {
+            for limit in [0.95, 1.05] {
+                let mut world = World::new(&WorldDef { solver, ..WorldDef::default() }).unwrap();
+                let mut hang = |kind: &JointKind, above: BodyId, y: f64, mass: f32, break_force: f32| {
+                    let ball = ShapeDef::new(Shape::ball(0.1).unwrap());
+                    let body = BodyDef::dynamic(Pose::at_xyz(0.0, y, 0.0)).with_shape(ball).with_mass(Mass::Total(mass));
+                    let body = world.create_body(&body).unwrap();
+                    let on_body = if matches!(kind, JointKind::Distance { .. }) { Vec3::ZERO } else { Vec3::Y };
+                    // The axis of a slider is upright.
+                    let mut def = JointDef::new(kind.clone(), above, body).at(Vec3::ZERO, on_body);
+                    (def.frame_a.rotation, def.frame_b.rotation) = (UPRIGHT, UPRIGHT);
+                    (body, world.create_joint(&JointDef { break_force, ..def }).unwrap())
+                };
+                // Hanging on the world, or on what hangs there.
+                let above =
+                    if is_inside { hang(&JointKind::HINGE, BodyId::NULL, -1.0, 1.0, f32::INFINITY).0 } else { BodyId::NULL };
+                let y = if is_inside { -2.0 } else { -1.0 };
+                let (body, joint) = hang(&kind, above, y, 2.0, limit * 2.0 * 9.81);
+                let what = format!("{kind:?}, on another: {is_inside}, {solver:?}, {rate} Hz, limit {limit} of the load");
+                for step in 0..(2.0 * rate) as u32 {
+                    world.step(1.0 / rate).unwrap();
+                    let is_told = world.overloaded().iter().any(|overload| overload.joint == joint);
+                    assert!(is_told == (limit < 1.0) || step < (0.1 * rate) as u32, "{what}: told in step {step}: {is_told}");
+                }
+                assert_eq!(world.is_awake(body).unwrap(), limit < 1.0, "{what}");
             }
         }
     }

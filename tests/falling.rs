@@ -1,7 +1,10 @@
 //! What falls together stays together, and falls as a single body does.
 
 use longspan::glam::{DVec3, Quat, Vec3};
-use longspan::{BodyDef, BodyId, Geometry, LocalPose, Pose, Shape, ShapeDef, World, WorldDef};
+use longspan::{
+    BodyDef, BodyId, Geometry, JointDef, JointKind, LocalPose, MAX_LINEAR_SPEED, Mass, Pose, Shape, ShapeDef, Solver, World,
+    WorldDef,
+};
 
 const GRAVITY: f64 = 9.81;
 
@@ -106,6 +109,60 @@ fn what_is_damped_falls_at_its_terminal_speed() {
                     off.abs() < f64::from(bound),
                     "{damping}/s at {rate} Hz in {substeps} substeps: off by {off}, bound {bound}"
                 );
+            }
+        }
+    }
+}
+
+/// Bodies at rest that are to be pushed along x, by the name of how they are connected.
+fn pushed(world: &mut World, how: &str) -> Vec<BodyId> {
+    let half = 0.1;
+    let ball = ShapeDef::new(Shape::ball(half).unwrap());
+    let mut add = |x: f64| {
+        let mut def = BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)).with_mass(Mass::Total(1.0)).with_shape(ball.clone());
+        def.locked_axes.translation[1] = how == "on a rail";
+        def.linear_damping = if how == "damped" { 5.0 } else { 0.0 };
+        world.create_body(&def).unwrap()
+    };
+    let apart = if how == "touching" { 0.2 } else { 0.3 };
+    let count = if ["touching", "welded", "hinged"].contains(&how) { 2 } else { 1 };
+    let bodies: Vec<BodyId> = (0..count).map(|number| add(apart * f64::from(number))).collect();
+    let kind = if how == "welded" { JointKind::Fixed } else { JointKind::HINGE };
+    if ["welded", "hinged"].contains(&how) {
+        world.create_joint(&JointDef::new(kind, bodies[0], bodies[1]).at(Vec3::X * 0.15, Vec3::X * -0.15)).unwrap();
+    }
+    bodies
+}
+
+#[test]
+fn what_is_pushed_beyond_the_greatest_speed_goes_that_way_at_that_speed() {
+    let ways = ["alone", "on a rail", "damped", "touching", "welded", "hinged"];
+    for (solver, rate) in
+        [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| [30.0, 60.0, 240.0].map(|rate| (solver, rate)))
+    {
+        for (how, exponent) in ways.into_iter().flat_map(|how| (4..=10).map(move |exponent| (how, exponent))) {
+            for by_force in [false, true] {
+                let pull = Vec3::X * 10.0_f32.powi(exponent);
+                let gravity = if by_force { Vec3::ZERO } else { pull };
+                let mut world = World::new(&WorldDef { solver, gravity, ..WorldDef::default() }).unwrap();
+                let bodies = pushed(&mut world, how);
+                let most = f64::from(MAX_LINEAR_SPEED) / f64::from(rate);
+                for step in 0..4 {
+                    let place = |world: &World| bodies.iter().map(|&body| world.pose(body).unwrap().position).collect::<Vec<_>>();
+                    let (before, speed) = (place(&world), world.linear_velocity(bodies[0]).unwrap().x);
+                    if by_force {
+                        bodies.iter().for_each(|&body| world.add_force(body, pull).unwrap());
+                    }
+                    world.step(1.0 / rate).unwrap();
+                    for (before, after) in before.into_iter().zip(place(&world)) {
+                        let way = (after - before) / most;
+                        let what = format!(
+                            "{solver:?}, {rate} Hz, {how}, {pull} m/s², by force: {by_force}, step {step}: {way} of the greatest way"
+                        );
+                        assert!(way.x > 0.0 && way.length() < 1.0 + 1.0e-4, "{what}");
+                        assert!(speed < 0.9999 * MAX_LINEAR_SPEED || way.x > 0.999, "{what} at {speed} m/s");
+                    }
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What the host moves carries what friction holds on it: a track that is told once a step is a smooth motion.
 
 use longspan::glam::{DVec3, Quat, Vec3};
-use longspan::{BodyDef, Geometry, Material, Pose, Shape, ShapeDef, Solver, World, WorldDef};
+use longspan::{BodyDef, BodyKind, Geometry, Material, Pose, Shape, ShapeDef, Solver, World, WorldDef};
 
 const GRAVITY: f64 = 9.81;
 const FRICTION: f64 = 0.5;
@@ -210,5 +210,30 @@ fn a_stack_stands_on_what_carries_it_along() {
             found < 2.0e-3,
             "{cubes} cubes of {size} m at {rate} Hz, by velocity: {by_velocity}: the top leans by {found} of a cube, bound 0.002"
         );
+    }
+}
+
+#[test]
+fn of_a_target_a_velocity_and_a_pose_the_last_one_counts() {
+    for rate in [30.0_f64, 60.0, 240.0] {
+        for last in ["target", "velocity", "spin", "pose"] {
+            let mut world = World::new(&WorldDef::default()).unwrap();
+            let shape = ShapeDef::new(Shape::ball(0.1).unwrap());
+            let body = BodyDef { kind: BodyKind::Kinematic, ..BodyDef::dynamic(Pose::IDENTITY) }.with_shape(shape);
+            let body = world.create_body(&body).unwrap();
+            for name in ["pose", "spin", "velocity", "target", last] {
+                match name {
+                    "target" => world.move_to(body, Pose::at_xyz(1.0, 0.0, 0.0)),
+                    "velocity" => world.set_linear_velocity(body, Vec3::Y * 3.0),
+                    "spin" => world.set_angular_velocity(body, Vec3::Z * 2.0),
+                    _ => world.set_pose(body, Pose::at_xyz(0.0, 0.0, 5.0)),
+                }
+                .unwrap();
+            }
+            world.step((1.0 / rate) as f32).unwrap();
+            let expected = if last == "target" { DVec3::X } else { DVec3::new(0.0, 3.0 / rate, 5.0) };
+            let found = world.pose(body).unwrap().position;
+            assert!((found - expected).length() < 1.0e-6, "{rate} Hz, {last} last: at {found}, not {expected}");
+        }
     }
 }

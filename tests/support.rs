@@ -2,8 +2,8 @@
 
 use longspan::glam::{Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, ErrorKind, JointDef, JointKind, Mass, Material, Pose, Shape, ShapeDef, SleepSettings, Verdict, World,
-    WorldDef,
+    Axis, BodyDef, BodyId, ErrorKind, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef, SleepSettings,
+    Verdict, World, WorldDef,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -260,4 +260,81 @@ fn every_stone_of_the_gallery_is_judged_rightly() {
     let mut engine = longspan_scenes::LongspanEngine::new(&scene.world, longspan_scenes::Effort::Default, 1).unwrap();
     let run = longspan_scenes::run(scene, &mut engine, longspan_scenes::Effort::Default, 1).unwrap();
     assert_eq!(run.errors, [("wrong_verdicts", 0.0)]);
+}
+
+/// Joints of all kinds that can carry what hangs half a metre below.
+fn kinds_that_carry() -> [JointKind; 6] {
+    let rod = JointKind::Distance { limits: Limits::new(0.5, 0.5), spring_length: None, motor: Motor::Off };
+    let slider = JointKind::Prismatic { limits: Limits::new(-0.1, 0.1), motor: Motor::Off };
+    let universal = JointKind::Generic { linear: [Axis::LOCKED; 3], angular: [Axis::FREE, Axis::FREE, Axis::LOCKED] };
+    [JointKind::Fixed, JointKind::HINGE, JointKind::SPHERICAL, rod, slider, universal]
+}
+
+/// Small boxes half a metre apart, each hanging on the one before it by a joint, the first on `top`.
+fn chain(world: &mut World, top: BodyId, kinds: &[JointKind]) -> Vec<BodyId> {
+    let mut above = top;
+    let hang = |(number, kind): (usize, &JointKind)| {
+        let at = Pose::at_xyz(0.0, -0.5 * (number + 1) as f64, 0.0);
+        let body = BodyDef::dynamic(at).with_shape(cuboid(Vec3::splat(0.05))).with_mass(Mass::Total(1.0));
+        let body = world.create_body(&body).unwrap();
+        let at = if matches!(kind, JointKind::Distance { .. }) { [0.0, 0.0] } else { [-0.25, 0.25] };
+        world.create_joint(&JointDef::new(kind.clone(), above, body).at(Vec3::Y * at[0], Vec3::Y * at[1])).unwrap();
+        above = body;
+        body
+    };
+    kinds.iter().enumerate().map(hang).collect()
+}
+
+#[test]
+fn what_hangs_by_joints_is_carried_by_what_it_hangs_on() {
+    for (first, second) in
+        kinds_that_carry().into_iter().flat_map(|first| kinds_that_carry().map(|second| (first.clone(), second)))
+    {
+        for on_world in [false, true] {
+            let mut world = world();
+            let top = BodyDef::fixed(Pose::IDENTITY).with_shape(cuboid(Vec3::splat(0.05)));
+            let top = if on_world { BodyId::NULL } else { world.create_body(&top).unwrap() };
+            let links = chain(&mut world, top, &[first.clone(), second.clone(), JointKind::HINGE]);
+            let [a, b, c] = links[..] else { panic!("three links") };
+            run(&mut world, 20);
+            let what = format!("{first:?}, {second:?}, on the world: {on_world}");
+            let ground: Vec<BodyId> = if on_world { Vec::new() } else { vec![top] };
+            for (body, above, below) in [(a, ground.clone(), vec![b]), (b, vec![a], vec![c]), (c, vec![b], Vec::new())] {
+                assert_eq!(world.supporters(body).unwrap(), above, "{what}: carriers of {body:?}");
+                assert_eq!(world.supported_by(body).unwrap(), below, "{what}: carried by {body:?}");
+            }
+            if !on_world {
+                assert_eq!(world.supported_by(top).unwrap(), [a], "{what}: carried by the ground");
+            }
+            let way: Vec<BodyId> = [c, b, a].into_iter().chain(ground).collect();
+            assert_eq!(world.path_to_ground(c).unwrap(), way, "{what}");
+        }
+    }
+}
+
+#[test]
+fn of_a_bridge_held_at_both_ends_each_half_hangs_on_its_own() {
+    let mut world = world();
+    let planks: Vec<BodyId> = (0..6)
+        .map(|number| {
+            let at = Pose::at_xyz(f64::from(number) - 2.5, 0.0, 0.0);
+            let plank = BodyDef::dynamic(at).with_shape(cuboid(Vec3::new(0.4, 0.05, 0.3))).with_mass(Mass::Total(1.0));
+            world.create_body(&plank).unwrap()
+        })
+        .collect();
+    let mut join = |a, b, on_a, on_b| world.create_joint(&JointDef::new(JointKind::SPHERICAL, a, b).at(on_a, on_b)).unwrap();
+    for pair in planks.windows(2) {
+        join(pair[0], pair[1], Vec3::X * 0.5, Vec3::X * -0.5);
+    }
+    join(BodyId::NULL, planks[0], Vec3::X * -3.0, Vec3::X * -0.5);
+    join(BodyId::NULL, planks[5], Vec3::X * 3.0, Vec3::X * 0.5);
+    run(&mut world, 20);
+    for number in 0..3 {
+        for (own, outer, inner) in [(number, number.wrapping_sub(1), number + 1), (5 - number, 6 - number, 4 - number)] {
+            let neighbour = |place: usize, is_there: bool| if is_there { vec![planks[place]] } else { Vec::new() };
+            assert_eq!(world.supporters(planks[own]).unwrap(), neighbour(outer, number > 0), "carriers of plank {own}");
+            assert_eq!(world.supported_by(planks[own]).unwrap(), neighbour(inner, number < 2), "carried by plank {own}");
+        }
+    }
+    assert_eq!(world.path_to_ground(planks[2]).unwrap(), [planks[2], planks[1], planks[0]]);
 }
