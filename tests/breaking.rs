@@ -185,10 +185,12 @@ fn a_joint_above_its_limit_is_told_of_in_every_step_and_one_below_it_sleeps() {
                 let y = if is_inside { -2.0 } else { -1.0 };
                 let (body, joint) = hang(&kind, above, y, 2.0, limit * 2.0 * 9.81);
                 let what = format!("{kind:?}, on another: {is_inside}, {solver:?}, {rate} Hz, limit {limit} of the load");
+                // Sweeps find the load within some steps.
+                let settled = if solver == Solver::GaussSeidel { 0.5 } else { 0.1 };
                 for step in 0..(2.0 * rate) as u32 {
                     world.step(1.0 / rate).unwrap();
                     let is_told = world.overloaded().iter().any(|overload| overload.joint == joint);
-                    assert!(is_told == (limit < 1.0) || step < (0.1 * rate) as u32, "{what}: told in step {step}: {is_told}");
+                    assert!(is_told == (limit < 1.0) || step < (settled * rate) as u32, "{what}: told in step {step}: {is_told}");
                 }
                 assert_eq!(world.is_awake(body).unwrap(), limit < 1.0, "{what}");
             }

@@ -160,7 +160,9 @@ fn what_is_pushed_beyond_the_greatest_speed_goes_that_way_at_that_speed() {
                             "{solver:?}, {rate} Hz, {how}, {pull} m/s², by force: {by_force}, step {step}: {way} of the greatest way"
                         );
                         assert!(way.x > 0.0 && way.length() < 1.0 + 1.0e-4, "{what}");
-                        assert!(speed < 0.9999 * MAX_LINEAR_SPEED || way.x > 0.999, "{what} at {speed} m/s");
+                        // Joints turn what they hold a little, and take some of its way.
+                        let least = if how == "hinged" { 0.99 } else { 0.999 };
+                        assert!(speed < 0.9999 * MAX_LINEAR_SPEED || way.x > least, "{what} at {speed} m/s");
                     }
                 }
             }

@@ -329,7 +329,7 @@ fn of_a_bridge_held_at_both_ends_each_half_hangs_on_its_own() {
     join(BodyId::NULL, planks[0], Vec3::X * -3.0, Vec3::X * -0.5);
     join(BodyId::NULL, planks[5], Vec3::X * 3.0, Vec3::X * 0.5);
     run(&mut world, 20);
-    for number in 0..3 {
+    for number in 0..3_usize {
         for (own, outer, inner) in [(number, number.wrapping_sub(1), number + 1), (5 - number, 6 - number, 4 - number)] {
             let neighbour = |place: usize, is_there: bool| if is_there { vec![planks[place]] } else { Vec::new() };
             assert_eq!(world.supporters(planks[own]).unwrap(), neighbour(outer, number > 0), "carriers of plank {own}");

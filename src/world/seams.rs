@@ -94,6 +94,8 @@ struct GlidePoint {
     normal: Vec3,
     separation: f32,
     flush: f32,
+    /// Whether it lies on a face of that shape.
+    is_face: bool,
 }
 
 /// Buffers of the stage.
@@ -125,8 +127,12 @@ impl World {
             for manifold in points.chunk_by(|a, b| (a.slot, a.number) == (b.slot, b.number)) {
                 let carrier_of = |e: &GlidePoint| points.iter().find(|f| ground.carries(f, e, points));
                 let first = &manifold[0];
+                // Of what may move most lies on faces, in heaps, and its sides stand in nobody's way: only edges do.
+                if first.is_face && !index.collider_state(first.shape).is_unmoved() {
+                    continue;
+                }
                 let extent = index.least_extent(pairs.get(first.slot).key);
-                let carrier = if ground.is_face(first) { None } else { manifold.iter().find_map(carrier_of) };
+                let carrier = if first.is_face { None } else { manifold.iter().find_map(carrier_of) };
                 let rising = carrier.and_then(|f| ground.rising_face(f, first));
                 if rising.is_some_and(|normal| ground.put_on_face(normal, first, pairs.get_mut(first.slot), extent)) {
                     continue;
@@ -160,6 +166,8 @@ impl Ground<'_> {
         let flush = FLUSH * index.least_extent(glide.key);
         for (number, manifold) in pair.manifolds.iter().enumerate() {
             let part = narrow::parts_of(&colliders[b].shape, manifold.part)[usize::from(!glide.is_second)];
+            let normal_of = |normal: Vec3| turn_a * normal * sign;
+            let is_face = self.is_face(shape, part, normal_of(manifold.normal));
             let of = |normal: Vec3, point: usize, at: Vec3, separation: f32| GlidePoint {
                 slot: glide.slot,
                 number,
@@ -168,22 +176,24 @@ impl Ground<'_> {
                 shape,
                 part,
                 at: collider_state.position + (collider_state.rotation * at).as_dvec3(),
-                normal: turn_a * normal * sign,
+                normal: normal_of(normal),
                 separation,
                 flush,
+                is_face,
             };
             let on_still = |on_a: Vec3, on_b: Vec3| if glide.is_second { on_a } else { on_b };
             let places = manifold.points.iter().enumerate();
             points.extend(places.map(|(i, place)| of(manifold.normal, i, on_still(place.on_a, place.on_b), place.separation)));
             let first = points.len() - manifold.points.len();
-            if self.is_face(&points[first]) {
+            if is_face {
                 continue;
             }
             let [shape_a, shape_b] = [a, b].map(|shape| &colliders[shape]);
             let relative = shape_a.relative(shape_b);
             let edge = narrow::nearest_edge(&shape_a.shape, &shape_b.shape, manifold.part, &relative, manifold.normal, corners);
             if let Some(edge) = edge {
-                points[first] = of(edge.normal, 0, on_still(edge.on_a, edge.on_b), points[first].separation);
+                let found = of(edge.normal, 0, on_still(edge.on_a, edge.on_b), points[first].separation);
+                points[first] = GlidePoint { is_face: self.is_face(shape, part, found.normal), ..found };
             }
         }
     }
@@ -196,7 +206,7 @@ impl Ground<'_> {
             return false;
         }
         let into = f.normal * alignment - e.normal;
-        if into.length_squared() < UPRIGHT * UPRIGHT || !self.is_face(f) || (alignment >= ALIKE && self.is_face(e)) {
+        if into.length_squared() < UPRIGHT * UPRIGHT || !f.is_face || (alignment >= ALIKE && e.is_face) {
             return false;
         }
         let further = into.normalize() * (BEHIND * e.flush);
@@ -292,9 +302,10 @@ impl Ground<'_> {
         body.linear_velocity + body.angular_velocity.cross((at - body.center).as_vec3())
     }
 
-    fn is_face(&self, point: &GlidePoint) -> bool {
-        let normal = self.index.collider_state(point.shape).rotation.conjugate() * point.normal;
-        narrow::is_face_normal(&self.colliders[point.shape].shape, point.part, normal)
+    /// Whether a direction (in world axes) is that of a face of a part.
+    fn is_face(&self, shape: u32, part: u32, normal: Vec3) -> bool {
+        let normal = self.index.collider_state(shape).rotation.conjugate() * normal;
+        narrow::is_face_normal(&self.colliders[shape].shape, part, normal)
     }
 
     /// From a shape to a place (m); zero inside.
