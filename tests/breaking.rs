@@ -162,7 +162,7 @@ fn a_joint_above_its_limit_is_told_of_in_every_step_and_one_below_it_sleeps() {
     let slider = JointKind::Prismatic { limits: Limits::new(0.0, 0.1), motor: Motor::Off };
     let turning = JointKind::Generic { linear: [Axis::LOCKED; 3], angular: [Axis::FREE, Axis::FREE, Axis::LOCKED] };
     let kinds = [JointKind::Fixed, JointKind::HINGE, JointKind::SPHERICAL, rod, slider, turning];
-    let ways = kinds.into_iter().flat_map(|kind| [false, true].map(|is_inside| (kind.clone(), is_inside)));
+    let ways = kinds.into_iter().flat_map(|kind| [false, true].map(|is_inside| (kind, is_inside)));
     for (kind, is_inside) in ways {
         for (solver, rate) in
             [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| [30.0, 60.0, 240.0].map(|rate| (solver, rate)))
@@ -175,7 +175,7 @@ fn a_joint_above_its_limit_is_told_of_in_every_step_and_one_below_it_sleeps() {
                     let body = world.create_body(&body).unwrap();
                     let on_body = if matches!(kind, JointKind::Distance { .. }) { Vec3::ZERO } else { Vec3::Y };
                     // The axis of a slider is upright.
-                    let mut def = JointDef::new(kind.clone(), above, body).at(Vec3::ZERO, on_body);
+                    let mut def = JointDef::new(*kind, above, body).at(Vec3::ZERO, on_body);
                     (def.frame_a.rotation, def.frame_b.rotation) = (UPRIGHT, UPRIGHT);
                     (body, world.create_joint(&JointDef { break_force, ..def }).unwrap())
                 };

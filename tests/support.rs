@@ -278,7 +278,7 @@ fn chain(world: &mut World, top: BodyId, kinds: &[JointKind]) -> Vec<BodyId> {
         let body = BodyDef::dynamic(at).with_shape(cuboid(Vec3::splat(0.05))).with_mass(Mass::Total(1.0));
         let body = world.create_body(&body).unwrap();
         let at = if matches!(kind, JointKind::Distance { .. }) { [0.0, 0.0] } else { [-0.25, 0.25] };
-        world.create_joint(&JointDef::new(kind.clone(), above, body).at(Vec3::Y * at[0], Vec3::Y * at[1])).unwrap();
+        world.create_joint(&JointDef::new(*kind, above, body).at(Vec3::Y * at[0], Vec3::Y * at[1])).unwrap();
         above = body;
         body
     };
@@ -287,14 +287,12 @@ fn chain(world: &mut World, top: BodyId, kinds: &[JointKind]) -> Vec<BodyId> {
 
 #[test]
 fn what_hangs_by_joints_is_carried_by_what_it_hangs_on() {
-    for (first, second) in
-        kinds_that_carry().into_iter().flat_map(|first| kinds_that_carry().map(|second| (first.clone(), second)))
-    {
+    for (first, second) in kinds_that_carry().into_iter().flat_map(|first| kinds_that_carry().map(|second| (first, second))) {
         for on_world in [false, true] {
             let mut world = world();
             let top = BodyDef::fixed(Pose::IDENTITY).with_shape(cuboid(Vec3::splat(0.05)));
             let top = if on_world { BodyId::NULL } else { world.create_body(&top).unwrap() };
-            let links = chain(&mut world, top, &[first.clone(), second.clone(), JointKind::HINGE]);
+            let links = chain(&mut world, top, &[first, second, JointKind::HINGE]);
             let [a, b, c] = links[..] else { panic!("three links") };
             run(&mut world, 20);
             let what = format!("{first:?}, {second:?}, on the world: {on_world}");

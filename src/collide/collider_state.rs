@@ -133,10 +133,11 @@ impl ColliderState {
         self.is_round && !other.is_round && !other.is_unmoved()
     }
 
-    /// Whether the body moves along over another that hardly moves, but as the host moves it along or what rolls over it does, or may begin to.
-    pub(crate) fn glides_over(&self, other: &Self, dt: f32) -> bool {
+    /// Whether the body moves along over another that hardly moves, but as the host moves it along or what rolls over it does, or may begin to. Of
+    /// those that a body may roll over and push along, only what joints hold is a way, as planks of a bridge are: the rest lies in heaps.
+    pub(crate) fn glides_over(&self, other: &Self, dt: f32, is_held: impl Fn(u32) -> bool) -> bool {
         let way = MIN_GLIDE * self.least_extent.min(other.least_extent);
-        let rolls = self.rolls_over(other);
+        let rolls = self.rolls_over(other) && is_held(other.body);
         let [over, own] = match other.is_driven || rolls {
             true => [self.velocity - other.velocity, Vec3::ZERO],
             false => [self.velocity, other.velocity],

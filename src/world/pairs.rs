@@ -231,7 +231,7 @@ impl World {
                 own += usize::from(pair.updated);
                 let (a, b) = key.shapes();
                 let states = (index.collider_state(a), index.collider_state(b));
-                glides.extend(Glide::of(key, slot, pair, states, dt));
+                glides.extend(Glide::of(key, slot, pair, states, dt, bodies));
                 let on_surface = was_pressed.then(|| BallOnSurface::of(slot, key, states, colliders, bodies));
                 balls.extend(on_surface.flatten());
                 extend_tightly(touches, TouchingPair::of(key, slot, pair, index).into_iter());

@@ -15,7 +15,7 @@
 //! A round shape does not tip over an end of J ahead of it within a step, as a flat one might: what is no higher than J's plane need not lie on J.
 //! Where the face of K behind e rises from that plane, by less than a step, the contact is put on that face: the shape comes to it before the step ends.
 //!
-//! Where pieces move, e must be so at the step's end, too, as J and K move there. Round shapes roll over whatever is flat.
+//! Where pieces move, e must be so at the step's end, too, as J and K move there. Round shapes roll over what is flat and held by joints.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -58,7 +58,14 @@ pub(super) struct Glide {
 
 impl Glide {
     /// What there is to note of a pair that has been brought up to date: whether a round shape of it moves over the other.
-    pub(super) fn of(key: PairKey, slot: u32, pair: &Pair, (a, b): (&ColliderState, &ColliderState), dt: f32) -> Option<Self> {
+    pub(super) fn of(
+        key: PairKey,
+        slot: u32,
+        pair: &Pair,
+        (a, b): (&ColliderState, &ColliderState),
+        dt: f32,
+        bodies: &Pool<Body, BodyId>,
+    ) -> Option<Self> {
         if !pair.may_touch || a.body == b.body {
             return None;
         }
@@ -68,7 +75,8 @@ impl Glide {
         if !(mover.is_round || still.is_unmoved()) {
             return None;
         }
-        mover.glides_over(still, dt).then_some(Self { body: mover.body, key, slot, is_second })
+        let is_held = |body: u32| !bodies[body].joints.is_empty();
+        mover.glides_over(still, dt, is_held).then_some(Self { body: mover.body, key, slot, is_second })
     }
 
     /// Shape that is moved over.
