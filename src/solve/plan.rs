@@ -7,11 +7,11 @@ use super::contact::ContactInput;
 use super::direct::stiffness::IMPLICIT_RANGE;
 use super::direct::{FRICTION_ROWS, MAX_MANIFOLDS, MAX_RIDERS, are_few};
 use super::joint::JointLink;
-use super::stances::{Stances, Standing};
+use super::stances::{Stances, Standing, is_slow, rests_sparsely};
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::report::IslandPlan;
 use crate::settings::Solver;
-use crate::tuning::plan::{ALIKE, HEAVY, LEANING, RESTING, SPARSE, TALL};
+use crate::tuning::plan::{ALIKE, HEAVY, LEANING, TALL};
 
 /// Multiplications that a factorisation takes for each body at least: those of a link at the end of a chain, held at one point.
 const LEAST_WORK: u64 = 567;
@@ -176,22 +176,7 @@ impl Planner {
             }
         }
         count_articulations(looks, links, motions, island_of, (grouped, sizes));
-        for look in looks.iter_mut().filter(|look| look.joints == 0) {
-            let slots = look.first as usize..(look.first + look.bodies) as usize;
-            // What falls together rests against one another, too.
-            let may_bear = look.loose.is_pressed || is_slow(&velocities[slots.start], Vec3::ZERO);
-            look.loose.rests = may_bear && rests_sparsely(&velocities[slots.clone()], &motions[slots], look.borne.contacts);
-        }
-        if looks.iter().any(IslandTraits::asks_for_stances) {
-            let asks = |contact: &&ContactInput| {
-                island_of([contact.a, contact.b]).is_some_and(|number| looks[number].asks_for_stances())
-            };
-            stances.find(motions.len(), contacts.iter().filter(asks), settings.gravity);
-            for look in looks.iter_mut().filter(|look| look.asks_for_stances()) {
-                look.loose.standing = stances.of(look.first..look.first + look.bodies);
-                look.most_work = most_work(settings, look.leans_at_rest());
-            }
-        }
+        find_standing(looks, (velocities, motions, contacts), settings, island_of, stances);
         plans.clear();
         plans.extend(looks.iter().map(IslandTraits::plan));
     }
@@ -452,17 +437,29 @@ fn is_row(bodies: u32, contacts: u32) -> bool {
     bodies >= LEANING && (bodies - 1..bodies + 2).contains(&contacts)
 }
 
-/// Whether these bodies, with so many contacts, were put where they are, are at rest against one another and have few contacts: see [`SPARSE`].
-fn rests_sparsely(velocities: &[BodyVelocity], motions: &[BodyMotion], contacts: u32) -> bool {
-    let is_sparse = (LEANING..=SPARSE * velocities.len() as u32).contains(&contacts);
-    let is_slow = |velocity| is_slow(velocity, velocities[0].linear);
-    is_sparse && motions.iter().all(|motion| motion.young) && velocities.iter().all(is_slow)
-}
-
-/// Whether a body is at rest against this velocity.
-fn is_slow(velocity: &BodyVelocity, frame: Vec3) -> bool {
-    let (speed, spin) = (velocity.linear.distance_squared(frame), velocity.angular.length_squared());
-    speed <= RESTING[0] * RESTING[0] && spin <= RESTING[1] * RESTING[1]
+/// Finds what bodies without joints stand on and lean against, where the plan depends on it; `island_of` is the island of two slots.
+fn find_standing(
+    looks: &mut [IslandTraits],
+    (velocities, motions, contacts): (&[BodyVelocity], &[BodyMotion], &[ContactInput]),
+    settings: &StepSettings,
+    island_of: impl Fn([u32; 2]) -> Option<usize>,
+    stances: &mut Stances,
+) {
+    for look in looks.iter_mut().filter(|look| look.joints == 0) {
+        let slots = look.first as usize..(look.first + look.bodies) as usize;
+        // What falls together rests against one another, too.
+        let may_bear = look.loose.is_pressed || is_slow(&velocities[slots.start], Vec3::ZERO);
+        look.loose.rests = may_bear && rests_sparsely(&velocities[slots.clone()], &motions[slots], look.borne.contacts);
+    }
+    if looks.iter().any(IslandTraits::asks_for_stances) {
+        let asks =
+            |contact: &&ContactInput| island_of([contact.a, contact.b]).is_some_and(|number| looks[number].asks_for_stances());
+        stances.find(motions.len(), contacts.iter().filter(asks), settings.gravity);
+        for look in looks.iter_mut().filter(|look| look.asks_for_stances()) {
+            look.loose.standing = stances.of(look.first..look.first + look.bodies);
+            look.most_work = most_work(settings, look.leans_at_rest());
+        }
+    }
 }
 
 /// Speed at which a point of a contact opens (m/s).

@@ -5,7 +5,8 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::contact::{ContactInput, tangents};
-use crate::tuning::plan::{ASIDE, BESIDE, STANDS};
+use super::state::{BodyMotion, BodyVelocity};
+use crate::tuning::plan::{ASIDE, BESIDE, LEANING, RESTING, SPARSE, STANDS};
 
 /// Horizontal directions in which it is asked how far what bears a body reaches.
 const DIRECTIONS: usize = 8;
@@ -95,6 +96,19 @@ impl Stances {
             is_uneven: list.iter().any(|stance| stance.bears_aside),
         }
     }
+}
+
+/// Whether these bodies, with so many contacts, were put where they are, are at rest against one another and have few contacts: see [`SPARSE`].
+pub(super) fn rests_sparsely(velocities: &[BodyVelocity], motions: &[BodyMotion], contacts: u32) -> bool {
+    let is_sparse = (LEANING..=SPARSE * velocities.len() as u32).contains(&contacts);
+    let is_slow = |velocity| is_slow(velocity, velocities[0].linear);
+    is_sparse && motions.iter().all(|motion| motion.young) && velocities.iter().all(is_slow)
+}
+
+/// Whether a body is at rest against this velocity.
+pub(super) fn is_slow(velocity: &BodyVelocity, frame: Vec3) -> bool {
+    let (speed, spin) = (velocity.linear.distance_squared(frame), velocity.angular.length_squared());
+    speed <= RESTING[0] * RESTING[0] && spin <= RESTING[1] * RESTING[1]
 }
 
 /// Whether a contact bears its load aside of the middle of its points, by more than [`ASIDE`] of the way to the farthest.
