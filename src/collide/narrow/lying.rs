@@ -80,6 +80,13 @@ impl Round {
         (self.is_capped || core == point.y).then(|| (arm - normal * along, along))
     }
 
+    /// Whether a place lies on its surface: along a normal that is not across the core it may have gone past an end of that.
+    fn is_at(&self, place: Vec3) -> bool {
+        let core = place.y.clamp(-self.half_height, self.half_height);
+        let off = ((place - Vec3::Y * core).length() - self.radius).abs();
+        (self.is_capped || core == place.y) && off <= TIE * self.radius
+    }
+
     /// Adds the corners of a part at `pose` that lies on it, all of which must be over it, and says whether there are any.
     ///
     /// What turns in itself meets nothing by that, but a row at a distance d from the core's normal takes it to close by d times the
@@ -109,6 +116,9 @@ impl Round {
                 return false;
             }
             let separation = along - height.sqrt();
+            if !self.is_at(at - normal * separation) {
+                return false;
+            }
             if separation <= margin && squared >= least_arm * least_arm {
                 let feature = CORNER | u32::from(id);
                 candidates.push(PointCandidate { on_a: at - normal * separation, on_b, separation, feature });
