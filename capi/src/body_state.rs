@@ -62,8 +62,8 @@ pub unsafe extern "C" fn ls_body_damping_get(world: LsWorld, body: LsBody, linea
     })
 }
 
-/// Sets the rates at which velocities decay. That is implicit: a rate k makes v / (1 + k h) of a velocity v in each substep of length h (s), which is
-/// v exp(-k t) for small k h, and never turns a velocity around.
+/// Sets the rates at which velocities decay. That is implicit: a rate k makes v / (1 + k h) of a velocity v in each substep of
+/// length h (s), which is v exp(-k t) for small k h, and never turns a velocity around.
 ///
 /// @param world    the world; any value is safe
 /// @param body     a body of that world; any value is safe
@@ -224,8 +224,8 @@ pub extern "C" fn ls_body_sleep(world: LsWorld, body: LsBody) -> LsResult {
     call("ls_body_sleep", || edit(world, |world| world.put_to_sleep(body.into())))
 }
 
-/// Net force of all contacts on a body in the last substep (N): of those that there were then, also where what touched it has been destroyed or moved
-/// since.
+/// Net force of all contacts on a body in the last substep (N): of those that there were then, also where what touched it has been
+/// destroyed or moved since.
 ///
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe

@@ -55,8 +55,8 @@ pub unsafe extern "C" fn ls_world_report_get(world: LsWorld, out: *mut LsStepRep
     })
 }
 
-/// The definition that the world has now: as it was created, with what has been set since, which is gravity, effort, sleep, thresholds of hits and of
-/// restitution, whether support is kept up, and all else that has a call to set it.
+/// The definition that the world has now: as it was created, with what has been set since, which is gravity, effort, sleep,
+/// thresholds of hits and of restitution, whether support is kept up, and all else that has a call to set it.
 ///
 /// @param world  the world; any value is safe
 /// @param out    filled on LS_OK

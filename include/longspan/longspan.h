@@ -2688,8 +2688,8 @@ LsResult ls_world_destroy(LsWorld world);
 LsResult ls_world_report_get(LsWorld world, LsStepReport *out, size_t size);
 
 /**
- * The definition that the world has now: as it was created, with what has been set since, which is gravity, effort, sleep, thresholds of hits and of
- * restitution, whether support is kept up, and all else that has a call to set it.
+ * The definition that the world has now: as it was created, with what has been set since, which is gravity, effort, sleep,
+ * thresholds of hits and of restitution, whether support is kept up, and all else that has a call to set it.
  *
  * @param world  the world; any value is safe
  * @param out    filled on LS_OK
@@ -2947,7 +2947,9 @@ LsResult ls_world_overloaded_joints_get(LsWorld world, const LsJointOverload **o
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_quarantined_bodies_get(LsWorld world, const LsBody **out, size_t *count);
+LsResult ls_world_quarantined_bodies_get(LsWorld world,
+                                         const LsBody **out,
+                                         size_t *count);
 
 /**
  * Contacts of the last step whose shapes met faster than the world's hit_threshold, with the impulse.
@@ -3749,8 +3751,8 @@ LsResult ls_body_mass_set(LsWorld world, LsBody body, const LsMass *mass);
 LsResult ls_body_damping_get(LsWorld world, LsBody body, float *linear, float *angular);
 
 /**
- * Sets the rates at which velocities decay. That is implicit: a rate k makes v / (1 + k h) of a velocity v in each substep of length h (s), which is
- * v exp(-k t) for small k h, and never turns a velocity around.
+ * Sets the rates at which velocities decay. That is implicit: a rate k makes v / (1 + k h) of a velocity v in each substep of
+ * length h (s), which is v exp(-k t) for small k h, and never turns a velocity around.
  *
  * @param world    the world; any value is safe
  * @param body     a body of that world; any value is safe
@@ -3881,8 +3883,8 @@ LsResult ls_body_wake(LsWorld world, LsBody body);
 LsResult ls_body_sleep(LsWorld world, LsBody body);
 
 /**
- * Net force of all contacts on a body in the last substep (N): of those that there were then, also where what touched it has been destroyed or moved
- * since.
+ * Net force of all contacts on a body in the last substep (N): of those that there were then, also where what touched it has been
+ * destroyed or moved since.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe
