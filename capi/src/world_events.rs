@@ -208,8 +208,8 @@ pub unsafe extern "C" fn ls_world_overloaded_joints_get(
     })
 }
 
-/// Bodies that the last step would have given a state that is NaN or infinite, or a position more than 1e9 m from the origin. They stay where
-/// they were, without contacts, until the host gives them a pose or velocity.
+/// Bodies that the last step would have given a state that is NaN or infinite, or a position more than 1e9 m from the origin. They
+/// stay where they were, without contacts, until the host gives them a pose or velocity.
 ///
 /// @param world  the world; any value is safe
 /// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its

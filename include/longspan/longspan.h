@@ -2937,8 +2937,8 @@ LsResult ls_world_contacts_ended_get(LsWorld world, const LsContactPair **out, s
 LsResult ls_world_overloaded_joints_get(LsWorld world, const LsJointOverload **out, size_t *count);
 
 /**
- * Bodies that the last step would have given a state that is NaN or infinite, or a position more than 1e9 m from the origin. They stay where
- * they were, without contacts, until the host gives them a pose or velocity.
+ * Bodies that the last step would have given a state that is NaN or infinite, or a position more than 1e9 m from the origin. They
+ * stay where they were, without contacts, until the host gives them a pose or velocity.
  *
  * @param world  the world; any value is safe
  * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
@@ -2947,9 +2947,7 @@ LsResult ls_world_overloaded_joints_get(LsWorld world, const LsJointOverload **o
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_quarantined_bodies_get(LsWorld world,
-                                         const LsBody **out,
-                                         size_t *count);
+LsResult ls_world_quarantined_bodies_get(LsWorld world, const LsBody **out, size_t *count);
 
 /**
  * Contacts of the last step whose shapes met faster than the world's hit_threshold, with the impulse.
