@@ -99,7 +99,9 @@ impl ColliderState {
     /// Whether its body, which turns at `angular` (rad/s), swings round features so fast that they are to be followed in each substep; `gravity` is
     /// the acceleration of free fall (m/s²), in a step of length `dt` (s).
     fn is_swung(&self, shape: &Shape, angular: Vec3, gravity: Vec3, dt: f32) -> bool {
-        if !self.is_round || self.is_unmoved() {
+        // What turns this slowly is not, however long it is: a shape of circles reaches no further than √2 of what holds it.
+        let may_be = angular.length_squared() * (2.0 * self.turning * self.turning) > SWUNG * SWUNG * gravity.length_squared();
+        if !may_be || !self.is_round || self.is_unmoved() {
             return false;
         }
         let (offset, rotation) = self.frame();

@@ -454,7 +454,8 @@ fn find_standing(
     if looks.iter().any(IslandTraits::asks_for_stances) {
         let asks =
             |contact: &&ContactInput| island_of([contact.a, contact.b]).is_some_and(|number| looks[number].asks_for_stances());
-        stances.find(motions.len(), contacts.iter().filter(asks), settings.gravity);
+        let asks_for_loads = looks.iter().any(IslandTraits::is_row);
+        stances.find(motions.len(), contacts.iter().filter(asks), settings.gravity, asks_for_loads);
         for look in looks.iter_mut().filter(|look| look.asks_for_stances()) {
             look.loose.standing = stances.of(look.first..look.first + look.bodies);
             look.most_work = most_work(settings, look.leans_at_rest());

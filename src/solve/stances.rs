@@ -1,36 +1,35 @@
 //! What bodies without joints stand on and lean against, which says whether sweeps hold them.
 
+use std::f32::consts::FRAC_1_SQRT_2;
 use std::ops::Range;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::contact::{ContactInput, tangents};
 use super::state::{BodyMotion, BodyVelocity};
 use crate::tuning::plan::{ASIDE, BESIDE, LEANING, RESTING, SPARSE, STANDS};
-
-/// Horizontal directions in which it is asked how far what bears a body reaches.
-const DIRECTIONS: usize = 8;
 
 /// What is known of a body's contacts.
 #[derive(Debug, Clone, Copy)]
 struct Stance {
     touches: bool,
     stands: bool,
-    /// How far the points that it stands on are from below its centre of mass, at most, in each direction (m); and in any.
-    reaches: [f32; DIRECTIONS],
-    reach: f32,
+    /// How far the points that it stands on are from below its centre of mass, at most, in eight horizontal directions: four, and back (m).
+    reaches: [Vec4; 2],
     /// Whether a contact of it bears its load aside of the middle of its points.
     bears_aside: bool,
 }
 
 impl Stance {
     const NONE: Self =
-        Self { touches: false, stands: false, reaches: [f32::NEG_INFINITY; DIRECTIONS], reach: 0.0, bears_aside: false };
+        Self { touches: false, stands: false, reaches: [Vec4::NEG_INFINITY; 2], bears_aside: false };
 
     /// Whether it touches something and would fall over without what it leans against: nothing that it stands on is in some direction from
     /// below its centre of mass.
     fn leans(&self) -> bool {
-        self.touches && self.reaches.iter().any(|&reach| reach < -BESIDE * self.reach || reach == f32::NEG_INFINITY)
+        let [there, back] = self.reaches;
+        let (most, least) = (there.max(back).max_element(), there.min(back).min_element());
+        self.touches && (least < -BESIDE * most || !self.stands)
     }
 }
 
@@ -52,18 +51,22 @@ pub(super) struct Standing {
 }
 
 impl Stances {
-    /// Takes what these contacts say, of a batch with so many slots.
-    pub(super) fn find<'a>(&mut self, slots: usize, contacts: impl Iterator<Item = &'a ContactInput>, gravity: Vec3) {
+    /// Takes what these contacts say, of a batch with so many slots; `asks_for_loads` is whether it is asked where they bear them.
+    pub(super) fn find<'a>(
+        &mut self,
+        slots: usize,
+        contacts: impl Iterator<Item = &'a ContactInput>,
+        gravity: Vec3,
+        asks_for_loads: bool,
+    ) {
         self.list.clear();
         self.list.resize(slots, Stance::NONE);
         let up = -gravity.normalize_or_zero();
         let (east, north) = tangents(up);
-        const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
-        let directions = [east, (east + north) * HALF, north, (north - east) * HALF];
         // Near ones too: in its first step nothing presses yet.
         for contact in contacts {
             let rise = contact.normal.dot(up);
-            let bears_aside = is_aside(contact);
+            let bears_aside = asks_for_loads && is_aside(contact);
             let sides = [(contact.a, rise <= -STANDS, &contact.lever_a), (contact.b, rise >= STANDS, &contact.lever_b)];
             for (slot, stands, levers) in sides {
                 let stance = &mut self.list[slot as usize];
@@ -74,13 +77,9 @@ impl Stances {
                 }
                 stance.stands = true;
                 for lever in &levers[..contact.count] {
-                    for (number, direction) in directions.iter().enumerate() {
-                        let along = lever.dot(*direction);
-                        let [there, back] = [number, number + DIRECTIONS / 2];
-                        stance.reaches[there] = stance.reaches[there].max(along);
-                        stance.reaches[back] = stance.reaches[back].max(-along);
-                        stance.reach = stance.reach.max(along.abs());
-                    }
+                    let (x, y) = (lever.dot(east), lever.dot(north));
+                    let along = Vec4::new(x, (x + y) * FRAC_1_SQRT_2, y, (y - x) * FRAC_1_SQRT_2);
+                    stance.reaches = [stance.reaches[0].max(along), stance.reaches[1].max(-along)];
                 }
             }
         }

@@ -50,6 +50,13 @@ pub(super) fn widen(
     }
 }
 
+/// Whether a face of a box may lie over a ball with all of its corners: none is further from the middle of the face than the ball's radius.
+#[inline]
+pub(super) fn may_lie_on_ball(half_extents: Vec3, radius: f32) -> bool {
+    let longest = half_extents.max_element();
+    half_extents.length_squared() - longest * longest <= radius * radius
+}
+
 /// A ball, or what is round of a capsule or a cylinder, about a core along the y axis.
 struct Round {
     half_height: f32,
@@ -87,11 +94,20 @@ impl Round {
         (self.is_capped || core == place.y) && off <= TIE * self.radius
     }
 
+    /// Whether a face of a box may lie over it with all of its corners: across its core a face is as wide as the box's least edge.
+    fn bears(&self, half_extents: Vec3) -> bool {
+        let is_ball = self.half_height == 0.0;
+        if is_ball { may_lie_on_ball(half_extents, self.radius) } else { half_extents.min_element() <= self.radius }
+    }
+
     /// Adds the corners of a part at `pose` that lies on it, all of which must be over it, and says whether there are any.
     ///
     /// What turns in itself meets nothing by that, but a row at a distance d from the core's normal takes it to close by d times the
     /// turn. Where that is more than the sagitta, there is no point: a ball rolls over what is smaller than its way in a step.
     fn holds(&self, part: &Part, pose: &Pose3, margin: f32, buffers: &mut Buffers, manifold: &mut Manifold) -> bool {
+        if matches!(part, Part::Box { half_extents } if !self.bears(*half_extents)) {
+            return false;
+        }
         let normal = manifold.normal;
         let Buffers { corners_b: corners, candidates, .. } = buffers;
         if !matches!(part, Part::Triangle { .. } | Part::HalfSpace { .. }) {

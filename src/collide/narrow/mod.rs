@@ -132,16 +132,15 @@ pub(crate) struct NarrowScratch {
 #[inline]
 pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     out.clear();
-    // The commonest pairs need nothing but their sizes, and balls are done before a call would be. No face of a box lies on a ball no larger
-    // than its least half extent.
+    // The commonest pairs need nothing but their sizes, and balls are done before a call would be.
     match (a.geometry(), b.geometry()) {
         (&Geometry::Ball { radius: radius_a }, &Geometry::Ball { radius: radius_b }) => {
             ball::append(ball::ball_ball(radius_a, radius_b, &relative, margin), out);
         }
-        (&Geometry::Box { half_extents }, &Geometry::Ball { radius }) if radius <= half_extents.min_element() => {
+        (&Geometry::Box { half_extents }, &Geometry::Ball { radius }) if !lying::may_lie_on_ball(half_extents, radius) => {
             ball::append(ball::box_ball(half_extents, radius, &relative, margin), out);
         }
-        (&Geometry::Ball { radius }, &Geometry::Box { half_extents }) if radius <= half_extents.min_element() => {
+        (&Geometry::Ball { radius }, &Geometry::Box { half_extents }) if !lying::may_lie_on_ball(half_extents, radius) => {
             ball::append(ball::ball_box(radius, half_extents, &relative, margin), out);
         }
         (&Geometry::Box { half_extents: half_a }, &Geometry::Box { half_extents: half_b }) => {

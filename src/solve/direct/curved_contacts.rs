@@ -68,6 +68,11 @@ impl Curved {
         (yielding != DMat2::ZERO).then_some(Self { tangents: [u, v], own, other, yielding, reach })
     }
 
+    /// How far the point of contact may wander on the body (m).
+    pub(super) fn reach(&self) -> f64 {
+        self.reach
+    }
+
     fn flatten(&self, vector: DVec3) -> DVec2 {
         DVec2::new(self.tangents[0].dot(vector), self.tangents[1].dot(vector))
     }

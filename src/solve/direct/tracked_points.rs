@@ -7,6 +7,14 @@ use super::multistep::rotation_vector;
 use crate::solve::contact::{ContactInput, POINTS};
 use crate::solve::joint::LocalPose;
 
+/// Points that settle nearer to each other than this fraction of the body's reach are one, as are those nearer than [`MISSED`] of the way
+/// that one of them has settled by.
+const ONE_SPOT: f64 = 1.0e-3;
+
+/// How far a point may settle beside where surfaces are tangent, over its way there: to second order in the lean of the normals, which is
+/// below half a radian, it misses by less than 0.05 of it.
+const MISSED: f64 = 0.1;
+
 /// Where the points of a manifold were at the start of the step, as one of its bodies sees them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TrackedPoints {
@@ -37,11 +45,21 @@ impl TrackedPoints {
     }
 
     /// Brings points that are older than the poses to where the surfaces are tangent now, as B sees them: outward normals of A and of B at
-    /// each, and the way from A's point to B's (m).
-    pub(crate) fn settle(&mut self, at: &[(DVec3, DVec3, DVec3); POINTS]) {
+    /// each, and the way from A's point to B's (m). Corners of a face on something round are tangent where the face is, and become one
+    /// with its point; `merged` is told which of the points becomes one with which before it, both by their places then.
+    pub(crate) fn settle(&mut self, at: &[(DVec3, DVec3, DVec3); POINTS], mut merged: impl FnMut(usize, Option<usize>)) {
         let Some(curved) = self.curved else { return };
-        for (spot, &(of_a, of_b, offset)) in self.began[..self.count].iter_mut().zip(at) {
-            *spot = curved.settle(spot, [of_b, of_a], offset).unwrap_or(*spot);
+        let points = std::mem::take(&mut self.count);
+        for (i, &(of_a, of_b, offset)) in at.iter().enumerate().take(points) {
+            let before = self.began[i];
+            let spot = curved.settle(&before, [of_b, of_a], offset).unwrap_or(before);
+            let near = (ONE_SPOT * curved.reach()).max(MISSED * spot.lever.distance(before.lever));
+            let known = self.began[..self.count].iter().position(|known| known.lever.distance_squared(spot.lever) < near * near);
+            merged(i, known);
+            if known.is_none() {
+                self.began[self.count] = spot;
+                self.count += 1;
+            }
         }
     }
 

@@ -23,8 +23,9 @@ const MAX_RECOVERY: f64 = 4.8;
 pub(crate) struct Patch {
     /// Local numbers of A and B.
     pub bodies: [usize; 2],
-    /// Its points, as B sees them.
+    /// Its points, as B sees them, and which of the manifold's each is.
     spots: TrackedPoints,
+    places: [u8; POINTS],
     /// As B and as A rolls.
     rolling: [Option<(Rolling, f64)>; 2],
     friction: f64,
@@ -57,6 +58,7 @@ impl Patch {
         Self {
             bodies,
             spots,
+            places: std::array::from_fn(|i| i as u8),
             rolling: [None; 2],
             friction: f64::from(material.friction),
             restitution: f64::from(material.restitution),
@@ -93,9 +95,24 @@ impl Patch {
         self.rolling = [as_b, as_a];
     }
 
-    /// Brings points that are older than the poses to where the surfaces are tangent now.
+    /// Brings points that are older than the poses to where the surfaces are tangent now. What becomes one there presses as one.
     pub(crate) fn settle(&mut self, at: &super::Tangency) {
-        self.spots.settle(at);
+        let Self { spots, places, normal, .. } = self;
+        let (points, before) = (spots.count, spots.spread());
+        let pressed = *normal;
+        let mut kept = 0;
+        spots.settle(at, |point, known| {
+            if let Some(known) = known {
+                normal[known] += pressed[point];
+            } else {
+                (places[kept], normal[kept]) = (point as u8, pressed[point]);
+                kept += 1;
+            }
+        });
+        if spots.count < points {
+            normal[spots.count..].fill(0.0);
+            self.twist_arm -= self.friction * (before - spots.spread());
+        }
     }
 
     /// Its points at these stances; `began` are those at the start of the step.
@@ -262,8 +279,12 @@ impl Patch {
 
     /// Multipliers in the manifold's own terms.
     pub(crate) fn impulses(&self) -> ContactImpulses {
+        let mut normal = [0.0; POINTS];
+        for (&place, &lambda) in self.places.iter().zip(&self.normal[..self.spots.count]) {
+            normal[usize::from(place)] = lambda as f32;
+        }
         ContactImpulses {
-            normal: self.normal.map(|lambda| lambda as f32),
+            normal,
             friction: self.tangential.as_vec3(),
             twist: self.twist as f32,
             rolling: self.rolls.as_vec3(),
