@@ -7,6 +7,7 @@ use super::{COMPLIANCE, ContactIsland, ContactNewton, TOLERANCE};
 use crate::solve::batch::Batch;
 use crate::solve::contact::LANES;
 use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::tuning::blows::{SLIGHT, STRUCK};
 
 /// Ratio of the heaviest body's mass to the lightest's from which sweeps are too slow.
 const HEAVY_RATIO: f64 = 100.0;
@@ -19,16 +20,6 @@ const MAX_CONTACTS: usize = 32;
 /// millisecond.
 const MAX_STRIKING: usize = 6;
 const MAX_STRIKES: usize = 16;
-
-/// Closing speed within a substep from which on bodies strike one another, over what gravity makes it in that time.
-///
-/// Why: what stands has one of these in each substep. What strikes at less goes up by less than a millimetre.
-/// Scenes: balls and crates of 0.1 to 40 times the mass of what they fall on, rows pushed by walls, 30 to 240 Hz.
-/// Test: tests/rebounds.rs
-const STRUCK: f32 = 2.0;
-
-/// Closing speed below which nothing strikes (m/s), without gravity either.
-const SLIGHT: f32 = 0.01;
 
 /// Least cosine between a contact's normal and the vertical for one body to stand on the other.
 const MIN_RISE: f64 = 0.3;

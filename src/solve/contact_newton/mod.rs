@@ -26,6 +26,7 @@ use glam::DVec3;
 use super::batch::Batch;
 use super::contact_block::ContactBlocks;
 use super::state::BodyVelocity;
+use crate::tuning::blows::ALIKE;
 pub(crate) use choose::blow_speed;
 use envelope::Envelope;
 use rows::{ExactBody, FIXED, NewtonContact, ROWS, Six, add_product, dot};
@@ -41,9 +42,6 @@ const COMPLIANCE: f64 = 1.0e-3;
 /// Rate that a row may be wrong by, over what gravity adds to a speed in a substep, and from which the sweeps are helped, over that.
 const TOLERANCE: f64 = 1.0e-3;
 const NOTICEABLE: f64 = 10.0;
-
-/// Ratio of masses up to which the sweeps find what holds bodies after a blow.
-const ALIKE: f64 = 3.0;
 
 /// Rate that a row may be wrong by after a blow, over the speed from which on bodies strike: a tenth of what gravity makes of a speed in a substep.
 const BLOW_SHARE: f64 = 0.05;
