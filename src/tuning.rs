@@ -4,6 +4,7 @@
 //! checks that none of these lines is missing. What is a tolerance of an algorithm, a size of a buffer or a number of pieces of work
 //! stands beside the code that uses it.
 
+pub(crate) mod blows;
 pub(crate) mod plan;
 
 /// Bodies that are swept along the way that a step has taken them: see `world/fast/astray.rs`.

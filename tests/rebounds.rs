@@ -1,7 +1,9 @@
 //! Rebounds: energy is passed on, lost to what is not elastic, and never made.
 
 use longspan::glam::{DVec3, Vec3};
-use longspan::{BodyDef, BodyId, JointDef, JointKind, Mass, Material, Pose, Shape, ShapeDef, World, WorldDef};
+use longspan::{
+    BodyDef, BodyId, BodyKind, Geometry, JointDef, JointKind, Mass, Material, Pose, Shape, ShapeDef, Solver, World, WorldDef,
+};
 
 const RADIUS: f32 = 0.1;
 const SPEED: f32 = 2.36;
@@ -259,5 +261,70 @@ fn friction_of_a_rebound_is_that_of_the_whole_blow_and_makes_no_energy() {
             energy(after, spin) <= energy(velocity, Vec3::ZERO) * 1.0001,
             "friction {friction}, e {restitution}: energy is made"
         );
+    }
+}
+
+/// A solid without restitution that has come to rest on the floor, or falls.
+fn solid(world: &mut World, geometry: Geometry, (mass, height, speed): (f32, f64, f32), friction: f32) -> BodyId {
+    let mut shape = ShapeDef::new(Shape::new(geometry).unwrap());
+    shape.material = Material { friction, ..Material::default() };
+    let at = Pose::at_xyz(-0.012, height, 0.02);
+    let def = BodyDef { linear_velocity: Vec3::NEG_Y * speed, mass: Mass::Total(mass), ..BodyDef::dynamic(at) };
+    world.create_body(&def.with_shape(shape)).unwrap()
+}
+
+/// Without restitution nothing goes up again, whatever it falls on lies on. What sweeps pass on of a blow one contact at a time, and carry on as if
+/// it were a force, threw a ball up at a quarter of its speed from a plate of its own mass, and at half of it from one of a quarter.
+#[test]
+fn what_falls_on_something_that_lies_does_not_rebound() {
+    let plate = Geometry::Box { half_extents: Vec3::new(0.45, 0.035, 0.25) };
+    for (falling, low) in [(Geometry::Ball { radius: 0.25 }, 0.25), (Geometry::Box { half_extents: Vec3::splat(0.2) }, 0.2)] {
+        for (mass, rate) in
+            [3.5, 35.0, 157.0, 1400.0].into_iter().flat_map(|mass| [30.0, 60.0, 120.0, 240.0].map(|rate| (mass, rate)))
+        {
+            for solver in [Solver::Auto, Solver::GaussSeidel] {
+                let mut world = World::new(&WorldDef { solver, ..WorldDef::default() }).unwrap();
+                let ground = Shape::cuboid(Vec3::new(20.0, 1.0, 20.0)).unwrap();
+                world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -1.0, 0.0)).with_shape(ShapeDef::new(ground))).unwrap();
+                solid(&mut world, plate.clone(), (35.0, 0.035, 0.0), 0.5);
+                for _ in 0..rate as u32 / 2 {
+                    world.step(1.0 / rate).unwrap();
+                }
+                let body = solid(&mut world, falling.clone(), (mass, 0.37 + low, 2.4), 0.5);
+                let (mut up, mut deep) = (0.0_f32, 0.0_f64);
+                for _ in 0..rate as u32 / 2 {
+                    world.step(1.0 / rate).unwrap();
+                    up = up.max(world.linear_velocity(body).unwrap().y);
+                    deep = deep.max(0.07 + low - world.pose(body).unwrap().position.y);
+                }
+                let what = format!("{falling:?} of {mass} kg at {rate} Hz, {solver:?}");
+                assert!(up < 0.1, "{what}: up at {up} m/s");
+                assert!(deep < if rate < 60.0 { 1.0e-2 } else { 2.0e-3 }, "{what}: {deep} m deep");
+            }
+        }
+    }
+}
+
+/// A wall that goes at a steady speed makes nothing go faster that it pushes, with a light body between it and a heavy one.
+#[test]
+fn what_a_wall_pushes_goes_no_faster_than_the_wall() {
+    for (mass, rate) in [10.0, 100.0, 2000.0].into_iter().flat_map(|mass| [30.0_f32, 60.0, 240.0].map(|rate| (mass, rate))) {
+        let mut world = world(0.0, 4);
+        let wall = BodyDef { kind: BodyKind::Kinematic, ..BodyDef::dynamic(Pose::at_xyz(-1.0, 0.0, 0.0)) };
+        let wall = world.create_body(&wall.with_shape(ShapeDef::new(Shape::cuboid(Vec3::new(0.2, 1.0, 2.0)).unwrap()))).unwrap();
+        world.set_linear_velocity(wall, Vec3::X).unwrap();
+        let crates = [(0.0, 10.0), (0.6, mass)].map(|(x, mass)| {
+            let def = BodyDef { mass: Mass::Total(mass), ..BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)) };
+            world.create_body(&def.with_shape(ShapeDef::new(Shape::cuboid(Vec3::splat(0.3)).unwrap()))).unwrap()
+        });
+        for _ in 0..(1.5 * rate) as u32 {
+            world.step(1.0 / rate).unwrap();
+            for body in crates {
+                let speed = world.linear_velocity(body).unwrap().x;
+                assert!(speed < 1.001, "10 kg and {mass} kg at {rate} Hz: {speed} m/s before a wall at 1 m/s");
+            }
+        }
+        let speed = world.linear_velocity(crates[1]).unwrap().x;
+        assert!(speed > 0.999, "{mass} kg at {rate} Hz: {speed} m/s");
     }
 }

@@ -63,10 +63,13 @@ pub(crate) fn first_touch(
     if shift + turning <= if way == Way::Sent { DEPTH * extent } else { SWEEP_THRESHOLD * extent } {
         return None;
     }
+    // What turns may have swept on past the body by the time that its contacts push.
+    let is_left = way != Way::Sent && other.turning() == 0.0;
     let limits = Limits {
         short: STOP_SHORT * extent,
         depth: extent * if way == Way::OwnUnseen { DEEP } else { DEPTH },
-        depth_if_near: (way != Way::Sent).then_some(DEEP * extent),
+        depth_if_near: is_left.then_some(DEEP * extent),
+        passes_deep: way != Way::Sent,
     };
     impact::first_touch(swept, other, &limits, buffer)
 }

@@ -21,8 +21,7 @@ struct Stance {
 }
 
 impl Stance {
-    const NONE: Self =
-        Self { touches: false, stands: false, reaches: [Vec4::NEG_INFINITY; 2], bears_aside: false };
+    const NONE: Self = Self { touches: false, stands: false, reaches: [Vec4::NEG_INFINITY; 2], bears_aside: false };
 
     /// Whether it touches something and would fall over without what it leans against: nothing that it stands on is in some direction from
     /// below its centre of mass.

@@ -81,8 +81,10 @@ pub(crate) struct Limits {
     pub short: f32,
     pub depth: f32,
     /// Overlap that counts instead where the two are near each other at the start, so that contacts have seen them (m); those that overlap
-    /// by that are let through. None: they may go deeper by another `depth`, if they overlap by one.
+    /// by that are let through.
     pub depth_if_near: Option<f32>,
+    /// Whether shapes that overlap by `depth` at the start are let through otherwise; if not, they may go deeper by another `depth`.
+    pub passes_deep: bool,
 }
 
 /// Ids of parts near a path, reused from call to call.
@@ -181,7 +183,7 @@ struct PartPair<'a> {
 
 impl PartPair<'_> {
     /// As the [`first_touch`] of two shapes.
-    fn first_touch(&self, Limits { short, mut depth, depth_if_near }: Limits) -> Option<(f64, Vec3)> {
+    fn first_touch(&self, Limits { short, mut depth, depth_if_near, passes_deep }: Limits) -> Option<(f64, Vec3)> {
         let [a, b] = [&self.a.on.path, &self.b.on.path];
         let closing = ((a.end.center - a.start.center) - (b.end.center - b.start.center)).as_vec3();
         let spins = [a, b].map(|path| turn_between(&path.start, &path.end));
@@ -198,6 +200,7 @@ impl PartPair<'_> {
                 match depth_if_near {
                     Some(deep) if separation <= -DEEP_ENOUGH * deep => return None,
                     Some(deep) if separation <= short => (seen, depth) = (Some(separation), deep),
+                    None if separation <= -DEEP_ENOUGH * depth && passes_deep => return None,
                     None if separation <= -DEEP_ENOUGH * depth => depth -= separation,
                     _ => {}
                 }

@@ -83,6 +83,8 @@ pub(super) struct NewtonContact {
     /// Multipliers of the warm start, which the velocities have in them, and those that the answers start from.
     pub warm: [f64; ROWS],
     pub lambda: [f64; ROWS],
+    /// Multipliers that are carried on from a blow.
+    pub carried: [f64; ROWS],
     pub friction: f64,
     pub twist_arm: f64,
     /// L, the load of which friction is a share.
@@ -123,6 +125,7 @@ impl NewtonContact {
             compliance: [1.0; ROWS],
             warm: [0.0; ROWS],
             lambda: [0.0; ROWS],
+            carried: [0.0; ROWS],
             friction: f64::from(of.friction[lane]),
             twist_arm: contacts.twist_of(block as usize).map_or(0.0, |twist| f64::from(twist.arm[lane])),
             load: 0.0,
@@ -159,7 +162,18 @@ impl NewtonContact {
                 }
             }
         }
-        self.lambda = self.warm;
+        (self.lambda, self.carried) = (self.warm, self.warm);
+        self.take_load();
+    }
+
+    /// Gets ready for the substep after one that ends with these velocities, from no multipliers: gaps are smaller by then.
+    pub(super) fn look_ahead(&mut self, contacts: &ContactBlocks, velocities: &[Six]) {
+        let rates = self.rates(velocities);
+        for i in 0..self.normals() {
+            let closing = f64::from(contacts.rows(self.block as usize, i).closing_speed[usize::from(self.lane)]);
+            self.bias[i] += rates[i].max(0.0) - closing;
+        }
+        (self.lambda, self.warm) = (self.warm, [0.0; ROWS]);
         self.take_load();
     }
 
@@ -180,17 +194,17 @@ impl NewtonContact {
         off(normals, length(u, v), self.friction).max(off(normals + 2, twist.abs(), self.twist_arm))
     }
 
-    /// Hands its multipliers back to its block.
-    pub(super) fn store(&self, contacts: &mut ContactBlocks) {
+    /// Gives these multipliers to its block.
+    pub(super) fn store(&self, lambda: &[f64; ROWS], contacts: &mut ContactBlocks) {
         let (number, lane, normals) = (self.block as usize, usize::from(self.lane), self.normals());
         for i in 0..normals {
-            contacts.rows_mut(number, i).lambda[lane] = self.lambda[i] as f32;
+            contacts.rows_mut(number, i).lambda[lane] = lambda[i] as f32;
         }
         let block = &mut contacts.blocks[number];
-        block.tangent_lambda[0][lane] = self.lambda[normals] as f32;
-        block.tangent_lambda[1][lane] = self.lambda[normals + 1] as f32;
+        block.tangent_lambda[0][lane] = lambda[normals] as f32;
+        block.tangent_lambda[1][lane] = lambda[normals + 1] as f32;
         if let Some(twist) = contacts.twist_mut(number) {
-            twist.lambda[lane] = self.lambda[normals + 2] as f32;
+            twist.lambda[lane] = lambda[normals + 2] as f32;
         }
     }
 
@@ -218,6 +232,12 @@ impl NewtonContact {
         let mut answer: [f64; ROWS] = std::array::from_fn(|row| self.lambda[row] - rates[row] / self.inverse_mass[row]);
         self.project(&mut answer, self.load);
         (0..self.rows()).map(|row| (answer[row] - self.lambda[row]).abs() * self.inverse_mass[row]).fold(0.0, f64::max)
+    }
+
+    /// How fast its points close in at these rates, or part under what is carried though nothing presses them (m/s).
+    pub(super) fn blow(&self, rates: &[f64; ROWS]) -> f64 {
+        let of = |row: usize| if self.lambda[row] > 0.0 { rates[row].abs() } else { -rates[row] };
+        (0..self.normals()).map(of).fold(0.0, f64::max)
     }
 
     /// Changes velocities by a share of these multipliers.

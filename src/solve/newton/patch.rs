@@ -283,12 +283,7 @@ impl Patch {
         for (&place, &lambda) in self.places.iter().zip(&self.normal[..self.spots.count]) {
             normal[usize::from(place)] = lambda as f32;
         }
-        ContactImpulses {
-            normal,
-            friction: self.tangential.as_vec3(),
-            twist: self.twist as f32,
-            rolling: self.rolls.as_vec3(),
-        }
+        ContactImpulses { normal, friction: self.tangential.as_vec3(), twist: self.twist as f32, rolling: self.rolls.as_vec3() }
     }
 }
 
