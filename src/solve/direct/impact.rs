@@ -274,7 +274,8 @@ impl Articulation {
         if history.h <= 0.0 {
             return (place, rotation);
         }
-        (place - history.displacement.as_dvec3(), rotation::rotated(rotation, -history.turn.as_dvec3()))
+        let before = rotation::rotated(self.unspun(body, rotation), -history.turn.as_dvec3());
+        (place - history.displacement.as_dvec3(), before)
     }
 
     /// Stops of a joint between bodies that stand and move so, so long before the end of the step (s).
@@ -296,8 +297,10 @@ impl Articulation {
         let geometry = JointGeometry::at(&placement);
         let answer = |side: usize| bodies[side].answer_at(&local_poses[side]);
         let answers = MotorAnswers { bodies: &answer, in_loop: None };
+        // Of the substep's start: at its end what spins may be half a turn away from where it was before.
+        let angles = self.began.joints[number].angles;
         let mut sink =
-            RowSink { driven, answers, ..RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked) };
+            RowSink { driven, answers, ..RowSink::new(geometry, &joints[entry.joint].def, all, angles, &mut self.asked) };
         kinds::add_rows(&mut sink);
         let stops = sink.scalars.iter().filter(|row| row.is_stop());
         let state = |row: &ScalarRow| StopState {

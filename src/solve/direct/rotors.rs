@@ -1,6 +1,6 @@
 //! The rotors of an articulation through its substeps. See [`super::rotor`].
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::articulation::Articulation;
 use super::articulation_state::Mode;
@@ -262,6 +262,17 @@ impl Articulation {
             let about = (gained - rotor.carried) / (order.euler_share * *h);
             history.torque = narrowing::impulse(torque + axis * (about - torque.dot(axis)));
         }
+    }
+
+    /// How a body would be turned where it had not spun about its axis in its last substep, if it is a rotor that ended that substep so: its way
+    /// is in two parts, the turn of its axis and the spin about it.
+    pub(super) fn unspun(&self, body: usize, ended: DQuat) -> DQuat {
+        let spun = f64::from(self.histories[body].spin_turn);
+        if spun == 0.0 {
+            return ended;
+        }
+        let found = self.rotors.binary_search_by_key(&body, |rotor| rotor.body);
+        found.map_or(ended, |at| ended * rotation::quaternion_of(self.rotors[at].axis * -spun))
     }
 
     /// Substeps of a step in which no rotor that is not symmetric turns too far.
