@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::batch::{Batch, LongRangeRows};
 use super::body_warm_start::BodyWarmStart;
 use super::contact_energy::{ContactEnergy, LoadRelease};
-use super::contact_newton::{ContactNewton, blow_speed};
+use super::contact_newton::ContactNewton;
 use super::direct::{Direct, SolveContext};
 use super::followed_velocity::FollowedVelocities;
 use super::impact::gather::Impacts;
@@ -86,9 +86,7 @@ impl BatchStages {
     fn begin_step(&mut self, batch: &mut Batch, threads: &Workers, settings: &StepSettings, h: f32) {
         self.initial_impulses.start_contacts(batch, threads, settings.gravity, h);
         self.momentum_pass.prepare(batch, threads, settings.gravity, h);
-        let blow = blow_speed(settings.gravity, h);
-        self.contact_newton.prepare(batch, settings.gravity, (h, blow));
-        self.load_release.begin_step(batch, blow);
+        self.contact_newton.prepare(batch, settings.gravity, h);
         batch.lay_out_bounds(h);
         batch.mark_falling();
         batch.poses.lay_out(threads, (&batch.velocities, &mut batch.motions), &batch.body_flags, h);
@@ -116,7 +114,9 @@ impl BatchStages {
         batch.joints.left = h * (settings.substeps - substep) as f32;
         batch.half_steps.begin_substep(&batch.velocities, substep, settings.substeps);
         self.apply_forces(batch, joints, threads, h, substep, settings.substeps);
-        self.load_release.note(batch, substep == 0);
+        if substep == 0 {
+            self.load_release.note(batch);
+        }
         self.joint_energy.note(threads, &batch.velocities, &batch.poses);
         self.impacts.note(&batch.velocities);
         batch.prepare_joints(joints, threads, h, false, true);
@@ -127,8 +127,8 @@ impl BatchStages {
         }
         self.joint_energy.restrain(batch, joints, threads, is_weighed);
         self.contact_energy.dissipate(batch, threads, settings.iterations);
-        self.load_release.solve_anew(batch, threads, settings.iterations);
         if substep == 0 {
+            self.load_release.solve_anew(batch, threads, settings.iterations);
             batch.half_steps.halve_start(self.joint_energy.slots(), &mut batch.velocities);
         }
         batch.joints.end_substep(threads);

@@ -1,14 +1,12 @@
-//! Solves a substep anew where the load that contacts have carried is gone.
+//! Solves the first substep of a step anew where the load that contacts have carried is gone.
 //!
-//! Contacts carry their multipliers from substep to substep as forces. Where what pressed is destroyed, made lighter, put elsewhere or pushed
-//! no more between two steps, those stand for a load that is no longer there, and the few sweeps of a substep take back only some of it:
-//! the rest throws what is left, 2 m/s at 60 Hz under ten times its weight. What stops a body in one substep is no load in the next either:
-//! a heap of 20 boxes and balls that fell gained 12 kJ in a step by it.
+//! Contacts carry their multipliers from step to step as forces. Where what pressed is destroyed, made lighter, put elsewhere or pushed no
+//! more between two steps, those stand for a load that is no longer there, and the few sweeps of a substep take back only some of it: the
+//! rest throws what is left, 2 m/s at 60 Hz under ten times its weight.
 //!
 //! From no multipliers on sweeps never add to the kinetic energy T of the bodies they act between: see [the module](super). So of each
-//! island without joints T is noted when forces have been added, and looked at after the sweeps: in the first substep of a step, and in the
-//! others where any body moves fast enough to strike. Where it has grown beyond [`AFRESH`], the substep is solved once more from no
-//! multipliers.
+//! island without joints T is noted when forces have been added, and looked at after the sweeps. Where it has grown beyond [`AFRESH`],
+//! the substep is solved once more from no multipliers.
 //!
 //! What is pushed by what the host moves, or carried along by its surface, gains by right: such islands are left alone. So are those
 //! that are solved as one, which end where nothing is left over.
@@ -25,14 +23,9 @@ use super::{BodyView, InertiaBounds};
 use crate::tuning::energy::AFRESH;
 use crate::workers::Workers;
 
-/// Sweeps from no multipliers at least: a blow is passed on by one contact in each, and what is not stopped goes in.
-const COLD_SWEEPS: u32 = 8;
-
-/// Islands without joints in which what is carried may be no load.
+/// Islands without joints in the first substep of a step.
 #[derive(Debug, Default)]
 pub(crate) struct LoadRelease {
-    /// Whether any body moves fast enough to strike another in this step.
-    may_strike: bool,
     /// Velocities of all slots before the sweeps.
     before: Vec<BodyVelocity>,
     /// Islands that have gained, as ranges of slots.
@@ -41,15 +34,10 @@ pub(crate) struct LoadRelease {
 }
 
 impl LoadRelease {
-    /// Begins a step in which bodies strike from a speed of `blow` (m/s) on.
-    pub(crate) fn begin_step(&mut self, batch: &Batch, blow: f32) {
-        self.may_strike = batch.velocities.iter().any(|velocity| velocity.linear.length_squared() > blow * blow);
-    }
-
     /// Notes the velocities that the sweeps begin with.
-    pub(crate) fn note(&mut self, batch: &Batch, is_first: bool) {
+    pub(crate) fn note(&mut self, batch: &Batch) {
         self.before.clear();
-        if !batch.contacts.is_empty() && (is_first || self.may_strike) {
+        if !batch.contacts.is_empty() {
             self.before.extend_from_slice(&batch.velocities);
         }
     }
@@ -68,12 +56,12 @@ impl LoadRelease {
             return;
         }
         let moving = batch.moving();
-        let Self { before, gained, cold_solve, .. } = self;
+        let Self { before, gained, cold_solve } = self;
         let Batch { velocities, contacts, .. } = batch;
         cold_solve.choose(gained.iter().cloned(), velocities.len());
         gained.iter().for_each(|slots| velocities[slots.clone()].copy_from_slice(&before[slots.clone()]));
         cold_solve.take(contacts);
-        for iteration in 0..iterations.max(COLD_SWEEPS) {
+        for iteration in 0..iterations {
             let blocks = &mut cold_solve.blocks;
             parallel_contacts::sweep(blocks, threads, (&mut velocities[..], moving), iteration % 2 == 1, true);
         }

@@ -24,18 +24,14 @@ const MAX_STRIKES: usize = 16;
 /// Least cosine between a contact's normal and the vertical for one body to stand on the other.
 const MIN_RISE: f64 = 0.3;
 
-/// Closing speed from which on bodies strike one another, in a substep of length `h` (s) (m/s).
-pub(crate) fn blow_speed(gravity: Vec3, h: f32) -> f32 {
-    STRUCK * gravity.length() * h + SLIGHT
-}
-
 impl ContactNewton {
-    /// Finds the islands that need it, and their rows; `h` is the substep (s), and `blow` the speed from which on bodies strike (m/s).
-    pub(crate) fn prepare(&mut self, batch: &Batch, gravity: Vec3, (h, blow): (f32, f32)) {
+    /// Finds the islands that need it, and their rows; `h` is the substep (s).
+    pub(crate) fn prepare(&mut self, batch: &Batch, gravity: Vec3, h: f32) {
         self.islands.clear();
         self.bodies.clear();
         self.contacts.clear();
         let gained = gravity.length() * h;
+        let blow = STRUCK * gained + SLIGHT;
         self.blow = f64::from(blow);
         self.tolerance = TOLERANCE * f64::from(if gained > 0.0 { gained } else { SLIGHT });
         self.local.clear();

@@ -27,7 +27,6 @@ use super::batch::Batch;
 use super::contact_block::ContactBlocks;
 use super::state::BodyVelocity;
 use crate::tuning::blows::ALIKE;
-pub(crate) use choose::blow_speed;
 use envelope::Envelope;
 use rows::{ExactBody, FIXED, NewtonContact, ROWS, Six, add_product, dot};
 
@@ -44,6 +43,7 @@ const TOLERANCE: f64 = 1.0e-3;
 const NOTICEABLE: f64 = 10.0;
 
 /// Rate that a row may be wrong by after a blow, over the speed from which on bodies strike: a tenth of what gravity makes of a speed in a substep.
+/// What loads of friction may be off by, over the speed of the blow.
 const BLOW_SHARE: f64 = 0.05;
 
 /// Last step of Newton's method, over the tolerance.
@@ -112,12 +112,14 @@ impl ContactNewton {
             self.load(batch, &island);
             let contacts = &self.contacts[island.contacts()];
             let is_off = |contact: &NewtonContact| contact.error(&contact.rates(&self.now)) > NOTICEABLE * self.tolerance;
-            let is_struck = contacts.iter().any(|contact| contact.blow(&contact.rates(&self.now)) > self.blow);
+            // Whatever is carried, it is no blow if nothing would close in without it.
+            let closing = closing_speed(contacts, &self.free, self.blow);
+            let is_struck = closing > self.blow;
             if !is_struck && !(island.is_uneven && contacts.iter().any(is_off)) {
                 continue;
             }
-            let tolerance = if is_struck { BLOW_SHARE * self.blow } else { self.tolerance };
-            if self.solve(&island, tolerance) && self.finish(&island) {
+            let tolerances = if is_struck { [BLOW_SHARE * self.blow, BLOW_SHARE * closing] } else { [self.tolerance; 2] };
+            if self.solve(&island, tolerances) && self.finish(&island) {
                 self.store(batch, &island);
                 self.islands[number].is_struck = is_struck;
             } else {
@@ -140,7 +142,7 @@ impl ContactNewton {
             now.iter_mut().zip(gained.to_array()).for_each(|(speed, gained)| *speed += gained);
         }
         start.clone_from(now);
-        if self.solve(island, BLOW_SHARE * self.blow) {
+        if self.solve(island, [BLOW_SHARE * self.blow; 2]) {
             for contact in &mut self.contacts[island.contacts()] {
                 let mut lambda = contact.lambda;
                 contact.project(&mut lambda, contact.load);
@@ -175,8 +177,9 @@ impl ContactNewton {
         contacts[island.contacts()].iter().for_each(|contact| contact.push(&contact.warm, -1.0, own, free));
     }
 
-    /// Finds velocities at which all rows are right to within `tolerance` (m/s, rad/s), and multipliers that give them.
-    fn solve(&mut self, island: &ContactIsland, tolerance: f64) -> bool {
+    /// Finds velocities at which all rows are right to within `tolerance` (m/s, rad/s), friction for the loads that it has
+    /// to within `of_friction`, and multipliers that give them.
+    fn solve(&mut self, island: &ContactIsland, [tolerance, of_friction]: [f64; 2]) -> bool {
         self.shape(island);
         let (mut compliance, mut steps) = (FIRST_COMPLIANCE, MAX_STEPS);
         loop {
@@ -184,7 +187,7 @@ impl ContactNewton {
             if !self.minimise(island, &mut steps, STEP_TOLERANCE * tolerance) {
                 return false;
             }
-            let mut error = 0.0_f64;
+            let (mut error, mut off) = (0.0_f64, 0.0_f64);
             for (contact, rates) in self.contacts[island.contacts()].iter_mut().zip(&self.rates) {
                 let answer = contact.answer(rates);
                 for row in 0..contact.rows() {
@@ -192,9 +195,9 @@ impl ContactNewton {
                     error = error.max((answer[row] - contact.lambda[row]).abs() * contact.compliance[row]);
                 }
                 contact.lambda = answer;
-                error = error.max(contact.take_new_load() / compliance);
+                off = off.max(contact.take_new_load() / compliance);
             }
-            if error <= tolerance {
+            if error <= tolerance && off <= of_friction {
                 return true;
             }
             compliance = (compliance * STIFFENING).max(island.compliance);
@@ -379,4 +382,18 @@ impl ContactIsland {
 fn six(velocity: &BodyVelocity) -> Six {
     let (v, w) = (velocity.linear.as_dvec3(), velocity.angular.as_dvec3());
     [v.x, v.y, v.z, w.x, w.y, w.z]
+}
+
+/// Greatest speed at which a contact closes in that passes the blow on, if any does so at more than `blow` (m/s): a sweep stops what strikes
+/// one other body alone. What nothing holds gives way.
+fn closing_speed(contacts: &[NewtonContact], velocities: &[Six], blow: f64) -> f64 {
+    if !contacts.iter().any(|contact| contact.bodies.contains(&FIXED)) {
+        return 0.0;
+    }
+    let passes_on = |contact: &NewtonContact| {
+        let shares = |other: &NewtonContact| other.bodies.iter().any(|body| *body != FIXED && contact.bodies.contains(body));
+        contacts.iter().filter(|other| shares(other)).count() > 1
+    };
+    let closing = contacts.iter().map(|contact| (contact, contact.closing_speed(&contact.rates(velocities))));
+    closing.filter(|&(contact, closing)| closing > blow && passes_on(contact)).fold(0.0, |most, (_, closing)| closing.max(most))
 }

@@ -234,10 +234,9 @@ impl NewtonContact {
         (0..self.rows()).map(|row| (answer[row] - self.lambda[row]).abs() * self.inverse_mass[row]).fold(0.0, f64::max)
     }
 
-    /// How fast its points close in at these rates, or part under what is carried though nothing presses them (m/s).
-    pub(super) fn blow(&self, rates: &[f64; ROWS]) -> f64 {
-        let of = |row: usize| if self.lambda[row] > 0.0 { rates[row].abs() } else { -rates[row] };
-        (0..self.normals()).map(of).fold(0.0, f64::max)
+    /// How fast its points close in at these rates (m/s).
+    pub(super) fn closing_speed(&self, rates: &[f64; ROWS]) -> f64 {
+        rates[..self.normals()].iter().fold(0.0, |most, rate| most.max(-rate))
     }
 
     /// Changes velocities by a share of these multipliers.
