@@ -63,6 +63,7 @@ mod scales;
 mod self_stress;
 mod sleeping;
 mod slender;
+mod slender_stops;
 mod sliding;
 mod snapshots;
 mod soft_stops;
