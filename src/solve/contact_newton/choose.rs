@@ -43,8 +43,9 @@ impl ContactNewton {
             let slots = first as usize..end;
             let (velocities, motions) = (&batch.velocities[slots.clone()], &batch.motions[slots.clone()]);
             let Some(ratio) = mass_ratio(velocities, motions) else { continue };
-            if ratio >= HEAVY_RATIO || is_pushed || may_strike(velocities, motions, blow) {
-                self.enlist(batch, slots);
+            let is_fast = is_fast(velocities, motions, blow);
+            if ratio >= HEAVY_RATIO || is_fast || is_pushed {
+                self.enlist(batch, slots, is_fast);
             }
         }
         if self.islands.is_empty() {
@@ -53,16 +54,21 @@ impl ContactNewton {
         self.list_contacts(batch);
         let Self { islands, bodies, contacts, above, .. } = self;
         let up = -gravity.normalize_or_zero();
+        // One of its own sides: what moves elsewhere is no concern of an island.
+        let pushes = |contact: &NewtonContact| {
+            let mut sides = contact.bodies.iter().zip(contact.slots);
+            sides.any(|(&body, slot)| body == FIXED && moves(&batch.velocities[slot as usize]))
+        };
         islands.retain_mut(|island| {
             let (bodies, contacts) = (&bodies[island.bodies()], &contacts[island.contacts()]);
             island.is_uneven = carries_heavy(bodies, contacts, up, above);
-            let strikes = || contacts.iter().any(|contact| !contact.bodies.contains(&FIXED));
+            let strikes = || island.is_fast || contacts.iter().any(pushes);
             let is_small = bodies.len() <= MAX_STRIKING && contacts.len() <= MAX_STRIKES;
             contacts.len() <= MAX_CONTACTS && (island.is_uneven || is_small && strikes())
         });
     }
 
-    fn enlist(&mut self, batch: &Batch, slots: std::ops::Range<usize>) {
+    fn enlist(&mut self, batch: &Batch, slots: std::ops::Range<usize>, is_fast: bool) {
         self.local.resize(batch.velocities.len(), FIXED);
         let (first, number) = (self.bodies.len() as u32, self.islands.len() as u32);
         for slot in slots.filter(|&slot| batch.motions[slot].is_dynamic()) {
@@ -83,6 +89,7 @@ impl ContactNewton {
             compliance: 0.0,
             gave_up: false,
             ratio: 1.0,
+            is_fast,
             is_uneven: false,
             is_struck: false,
         });
@@ -133,7 +140,7 @@ fn mass_ratio(velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<f64
 }
 
 /// Whether any of these bodies, or a point of it at its radius of gyration, is faster than `blow` (m/s).
-fn may_strike(velocities: &[BodyVelocity], motions: &[BodyMotion], blow: f32) -> bool {
+fn is_fast(velocities: &[BodyVelocity], motions: &[BodyMotion], blow: f32) -> bool {
     velocities.iter().zip(motions).any(|(velocity, motion)| {
         let gyration_squared = motion.inertia.max_element() * velocity.inverse_mass.max_element();
         let squared = velocity.linear.length_squared().max(velocity.angular.length_squared() * gyration_squared);

@@ -90,6 +90,8 @@ struct ContactIsland {
     gave_up: bool,
     /// Mass of its heaviest body over that of its lightest.
     ratio: f64,
+    /// Whether any of its bodies moves fast enough to strike.
+    is_fast: bool,
     /// Whether anything heavy stands on something light in it, so that it is solved in every substep.
     is_uneven: bool,
     /// Whether this substep has solved a blow.
