@@ -195,8 +195,8 @@ impl BatchStages {
         contact_kernels::restitute(&mut batch.contacts, &mut batch.velocities, threshold);
         batch.add_to_tally();
         batch.contacts.end_blows();
-        self.impacts.forget(&mut batch.contacts);
         self.contact_newton.forget_blows(&mut batch.contacts);
+        self.impacts.forget(&mut batch.contacts);
     }
 
     /// Warm start and sweeps of a substep of length `h`.

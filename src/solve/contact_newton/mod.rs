@@ -117,7 +117,7 @@ impl ContactNewton {
             // Whatever is carried, it is no blow if nothing would close in without it.
             let closing = closing_speed(contacts, &self.free, self.blow);
             let is_struck = closing > self.blow;
-            if !is_struck && !(island.is_uneven && contacts.iter().any(is_off)) {
+            if !(is_struck || island.is_uneven && contacts.iter().any(is_off)) {
                 continue;
             }
             let tolerances = if is_struck { [BLOW_SHARE * self.blow, BLOW_SHARE * closing] } else { [self.tolerance; 2] };
@@ -127,7 +127,9 @@ impl ContactNewton {
             } else {
                 self.islands[number].gave_up = true;
             }
-            if self.islands[number].is_struck && island.ratio > ALIKE {
+            // What rebounds has been stopped by then, where this would still have to stop it.
+            let rebounds = |contact: &NewtonContact| contact.rebounds(&batch.contacts);
+            if self.islands[number].is_struck && island.ratio > ALIKE && !self.contacts[island.contacts()].iter().any(rebounds) {
                 self.find_loads(batch, &island, h);
             }
         }

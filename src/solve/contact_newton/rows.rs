@@ -239,6 +239,12 @@ impl NewtonContact {
         rates[..self.normals()].iter().fold(0.0, |most, rate| most.max(-rate))
     }
 
+    /// Whether its material rebounds.
+    pub(super) fn rebounds(&self, contacts: &ContactBlocks) -> bool {
+        let extra = contacts.extras.get(contacts.blocks[self.block as usize].extra as usize);
+        extra.is_some_and(|extra| extra.restitution[usize::from(self.lane)] > 0.0)
+    }
+
     /// Changes velocities by a share of these multipliers.
     pub(super) fn push(&self, lambda: &[f64; ROWS], share: f64, bodies: &[ExactBody], velocities: &mut [Six]) {
         for (side, &body) in self.bodies.iter().enumerate().filter(|(_, body)| **body != FIXED) {
