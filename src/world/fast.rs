@@ -23,6 +23,7 @@ use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
 use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer, Way};
 use crate::joint_graph::union::UnionMotion;
 use crate::shape::Shape;
+use crate::speed_limits::MAX_LINEAR_SPEED;
 
 mod astray;
 mod paths;
@@ -295,7 +296,8 @@ impl World {
                 let seen = body.linear_velocity - carrier;
                 let square = f64::from(seen.length_squared());
                 if work > 0.0 && square > 0.0 {
-                    body.linear_velocity = carrier + seen * (1.0 - 2.0 * work / square).max(0.0).sqrt() as f32;
+                    let kept = (1.0 - 2.0 * work / square).max(0.0).sqrt() as f32;
+                    body.linear_velocity = (carrier + seen * kept).clamp_length_max(MAX_LINEAR_SPEED);
                 }
             }
             (body.center, body.rotation) = (stop.center, stop.rotation);
