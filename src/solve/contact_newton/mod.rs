@@ -145,6 +145,10 @@ impl ContactNewton {
             let gained = batch.motions[body.slot as usize].acceleration.as_dvec3() * f64::from(h);
             now.iter_mut().zip(gained.to_array()).for_each(|(speed, gained)| *speed += gained);
         }
+        // What strikes then is solved then, and would be carried on as a load.
+        if closing_speed(&contacts[island.contacts()], now, self.blow) > 0.0 {
+            return;
+        }
         start.clone_from(now);
         if self.solve(island, [BLOW_SHARE * self.blow; 2]) {
             for contact in &mut self.contacts[island.contacts()] {
