@@ -8,6 +8,7 @@ use crate::solve::batch::Batch;
 use crate::solve::contact::LANES;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::tuning::blows::{SLIGHT, STRUCK};
+use crate::tuning::needles::NEEDLE;
 
 /// Ratio of the heaviest body's mass to the lightest's from which sweeps are too slow.
 const HEAVY_RATIO: f64 = 100.0;
@@ -43,6 +44,10 @@ impl ContactNewton {
             let slots = first as usize..end;
             let (velocities, motions) = (&batch.velocities[slots.clone()], &batch.motions[slots.clone()]);
             let Some(ratio) = mass_ratio(velocities, motions) else { continue };
+            // What is hit at its rim turns many times in a substep: its blows are no problem of one instant.
+            if ratio < HEAVY_RATIO && motions.iter().any(is_needle) {
+                continue;
+            }
             let is_fast = is_fast(velocities, motions, blow);
             if ratio >= HEAVY_RATIO || is_fast || is_pushed {
                 self.enlist(batch, slots, is_fast);
@@ -137,6 +142,11 @@ fn mass_ratio(velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<f64
         (least, most, count) = (least.min(inverse_mass.x), most.max(inverse_mass.x), count + 1);
     }
     (least > 0.0 && count > 1).then(|| f64::from(most / least))
+}
+
+/// Whether a body is so slender that it spins far more easily than it turns over: see [`NEEDLE`].
+fn is_needle(motion: &BodyMotion) -> bool {
+    motion.inertia.min_element() < NEEDLE * motion.inertia.max_element()
 }
 
 /// Whether any of these bodies, or a point of it at its radius of gyration, is faster than `blow` (m/s).
