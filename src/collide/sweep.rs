@@ -20,7 +20,8 @@ const STOP_SHORT: f32 = 0.01;
 /// extent, which what passes through a thin wall overlaps by.
 const DEPTH: f32 = 0.05;
 
-/// The same of a body that is stopped only where contacts could not take it out on the side that it came from: its middle would be inside.
+/// The same where contacts have seen the two, or the body is stopped only for what contacts may have missed: they could not take it out on the
+/// side that it came from, since its middle would be inside. What lies, rolls or tips over on another dips in by less.
 const DEEP: f32 = 0.4;
 
 /// How a body is swept.
@@ -62,9 +63,12 @@ pub(crate) fn first_touch(
     if shift + turning <= if way == Way::Sent { DEPTH * extent } else { SWEEP_THRESHOLD * extent } {
         return None;
     }
+    // What turns may have swept on past the body by the time that its contacts push.
+    let is_left = way != Way::Sent && other.turning() == 0.0;
     let limits = Limits {
         short: STOP_SHORT * extent,
         depth: extent * if way == Way::OwnUnseen { DEEP } else { DEPTH },
+        depth_if_near: is_left.then_some(DEEP * extent),
         passes_deep: way != Way::Sent,
     };
     impact::first_touch(swept, other, &limits, buffer)

@@ -23,6 +23,7 @@ use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
 use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer, Way};
 use crate::joint_graph::union::UnionMotion;
 use crate::shape::Shape;
+use crate::speed_limits::MAX_LINEAR_SPEED;
 
 mod astray;
 mod paths;
@@ -284,13 +285,19 @@ impl World {
                 continue;
             }
             let fall = self.def.gravity;
+            let carrier = ways.held_by(index).map(|hold| {
+                let by = &self.bodies[hold];
+                by.linear_velocity + by.angular_velocity.cross((stop.center - by.center).as_vec3())
+            });
             let body = &mut self.bodies[index];
-            if ways.swept(index) == Swept::FixedOnly {
-                // Gravity has worked on the rest of the way, too.
+            if let Some(carrier) = carrier.filter(|_| body.joints.is_empty()) {
+                // Gravity has worked on the rest of the way, too, as what holds the body sees it.
                 let work = (body.center - stop.center).dot((fall * body.settings.gravity_scale).as_dvec3());
-                let square = f64::from(body.linear_velocity.length_squared());
+                let seen = body.linear_velocity - carrier;
+                let square = f64::from(seen.length_squared());
                 if work > 0.0 && square > 0.0 {
-                    body.linear_velocity *= (1.0 - 2.0 * work / square).max(0.0).sqrt() as f32;
+                    let kept = (1.0 - 2.0 * work / square).max(0.0).sqrt() as f32;
+                    body.linear_velocity = (carrier + seen * kept).clamp_length_max(MAX_LINEAR_SPEED);
                 }
             }
             (body.center, body.rotation) = (stop.center, stop.rotation);

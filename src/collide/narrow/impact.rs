@@ -80,7 +80,10 @@ pub(crate) struct Limits {
     /// Distance at which two shapes are near each other (m), and overlap in which they are deep in one another.
     pub short: f32,
     pub depth: f32,
-    /// Whether shapes that overlap by `depth` at the start are let through; if not, they may go deeper by another `depth`.
+    /// Overlap that counts instead where the two are near each other at the start, so that contacts have seen them (m); those that overlap
+    /// by that are let through.
+    pub depth_if_near: Option<f32>,
+    /// Whether shapes that overlap by `depth` at the start are let through otherwise; if not, they may go deeper by another `depth`.
     pub passes_deep: bool,
 }
 
@@ -180,7 +183,7 @@ struct PartPair<'a> {
 
 impl PartPair<'_> {
     /// As the [`first_touch`] of two shapes.
-    fn first_touch(&self, Limits { short, mut depth, passes_deep }: Limits) -> Option<(f64, Vec3)> {
+    fn first_touch(&self, Limits { short, mut depth, depth_if_near, passes_deep }: Limits) -> Option<(f64, Vec3)> {
         let [a, b] = [&self.a.on.path, &self.b.on.path];
         let closing = ((a.end.center - a.start.center) - (b.end.center - b.start.center)).as_vec3();
         let spins = [a, b].map(|path| turn_between(&path.start, &path.end));
@@ -188,22 +191,30 @@ impl PartPair<'_> {
         // Speeds are over the path, on which `gone` runs from 0 to 1.
         let fastest = closing.length() + spins[0].length() * reaches[0] + spins[1].length() * reaches[1];
         let (mut gone, mut near_since, mut last) = (0.0, None, None);
+        // How far apart they are at the start, if contacts have seen them there.
+        let mut seen = None;
         for _ in 0..MAX_SEARCHES {
             let to_go = (1.0 - gone) as f32;
             let (normal, separation) = self.gap(gone, (fastest * to_go).max(2.0 * short))?;
-            if separation <= -DEEP_ENOUGH * depth {
-                match gone {
-                    0.0 if passes_deep => return None,
-                    0.0 => depth -= separation,
-                    _ => return Some(near_since.unwrap_or((gone, normal))),
+            if gone == 0.0 {
+                match depth_if_near {
+                    Some(deep) if separation <= -DEEP_ENOUGH * deep => return None,
+                    Some(deep) if separation <= short => (seen, depth) = (Some(separation), deep),
+                    None if separation <= -DEEP_ENOUGH * depth && passes_deep => return None,
+                    None if separation <= -DEEP_ENOUGH * depth => depth -= separation,
+                    _ => {}
                 }
             }
+            if separation <= -DEEP_ENOUGH * depth {
+                let touch = seen.map_or(near_since, |before| self.deeper_by(short, before, gone));
+                return Some(touch.unwrap_or((gone, normal)));
+            }
             match near_since {
-                None if separation <= short => near_since = Some((gone, normal)),
+                None if separation <= short && seen.is_none() => near_since = Some((gone, normal)),
                 Some(_) if separation > 2.0 * short => near_since = None,
                 _ => {}
             }
-            let aim = if near_since.is_some() { -depth } else { 0.5 * short };
+            let aim = if near_since.is_some() || seen.is_some() { -depth } else { 0.5 * short };
             // What turns about the normal does not come closer along it.
             let turning = normal.cross(spins[0]).length() * reaches[0] + normal.cross(spins[1]).length() * reaches[1];
             let speed = normal.dot(closing) + turning;
@@ -216,6 +227,25 @@ impl PartPair<'_> {
         }
         // Not converged: a body that turns fast close to another goes no further in this step.
         near_since.or(last)
+    }
+
+    /// When two that are as far apart as `before` at the start (m), and deep in each other after a share of the path, overlap by more than at
+    /// the start by about `short`: what touches first is no longer what touched then, and contacts will see it there.
+    fn deeper_by(&self, short: f32, before: f32, deep_at: f64) -> Option<(f64, Vec3)> {
+        let (mut range, mut touch) = ([0.0, deep_at], None);
+        for _ in 0..MAX_SEARCHES {
+            let middle = 0.5 * (range[0] + range[1]);
+            let (normal, separation) = self.gap(middle, f32::INFINITY)?;
+            let is_deeper = separation < before - short;
+            range[usize::from(is_deeper)] = middle;
+            if is_deeper {
+                touch = Some((middle, normal));
+                if separation > before - 2.0 * short {
+                    break;
+                }
+            }
+        }
+        touch
     }
 
     /// Direction from A to B in world axes, and how far they are apart along it (m); none if further than `limit`.

@@ -214,6 +214,11 @@ impl Paths {
         hold.body().filter(|_| slides)
     }
 
+    /// What holds a body that is not swept.
+    pub fn held_by(&self, body: u32) -> Option<u32> {
+        self.bundles[self.groups[self.leg_of(body)?.group as usize].bundle as usize].hold.body()
+    }
+
     /// Where a body goes after a share of the step; `end` is where the step has put it.
     pub fn path_after(&self, body: u32, time: f64, end: BodyPose) -> BodyPath {
         if let Some(leg) = self.leg_of(body) {
