@@ -264,17 +264,19 @@ fn friction_of_a_rebound_is_that_of_the_whole_blow_and_makes_no_energy() {
     }
 }
 
-/// A solid without restitution that has come to rest on the floor, or falls.
-fn solid(world: &mut World, geometry: Geometry, (mass, height, speed): (f32, f64, f32), friction: f32) -> BodyId {
+/// A solid of so much restitution that has come to rest on the floor, or falls.
+fn solid(world: &mut World, geometry: Geometry, (mass, height, speed): (f32, f64, f32), restitution: f32) -> BodyId {
     let mut shape = ShapeDef::new(Shape::new(geometry).unwrap());
-    shape.material = Material { friction, ..Material::default() };
+    shape.material = Material { restitution, friction: 0.5, ..Material::default() };
     let at = Pose::at_xyz(-0.012, height, 0.02);
     let def = BodyDef { linear_velocity: Vec3::NEG_Y * speed, mass: Mass::Total(mass), ..BodyDef::dynamic(at) };
     world.create_body(&def.with_shape(shape)).unwrap()
 }
 
-/// Without restitution nothing goes up again, whatever it falls on lies on. What sweeps pass on of a blow one contact at a time, and carry on as if
-/// it were a force, threw a ball up at a quarter of its speed from a plate of its own mass, and at half of it from one of a quarter.
+/// Without restitution nothing goes up again, whatever it falls on lies on, and with next to none next to nothing. What sweeps pass on of a blow one
+/// contact at a time, and carry on as if it were a force, threw a ball up at a quarter of its speed from a plate of its own mass, and at half of it
+/// from one of a quarter. With a restitution of 0.001 to 0.1 the last of the blow was carried on, up to the speed below which nothing rebounds: up at
+/// 0.78 m/s, and what is 38 times as heavy as the plate sank into it by its whole height.
 #[test]
 fn what_falls_on_something_that_lies_does_not_rebound() {
     let plate = Geometry::Box { half_extents: Vec3::new(0.45, 0.035, 0.25) };
@@ -282,23 +284,27 @@ fn what_falls_on_something_that_lies_does_not_rebound() {
         for (mass, rate) in
             [3.5, 35.0, 157.0, 1400.0].into_iter().flat_map(|mass| [30.0, 60.0, 120.0, 240.0].map(|rate| (mass, rate)))
         {
-            for solver in [Solver::Auto, Solver::GaussSeidel] {
+            for (solver, restitution) in [Solver::Auto, Solver::GaussSeidel]
+                .into_iter()
+                .flat_map(|solver| [0.0, 0.001, 0.05].map(|restitution| (solver, restitution)))
+            {
                 let mut world = World::new(&WorldDef { solver, ..WorldDef::default() }).unwrap();
                 let ground = Shape::cuboid(Vec3::new(20.0, 1.0, 20.0)).unwrap();
                 world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -1.0, 0.0)).with_shape(ShapeDef::new(ground))).unwrap();
-                solid(&mut world, plate.clone(), (35.0, 0.035, 0.0), 0.5);
+                solid(&mut world, plate.clone(), (35.0, 0.035, 0.0), restitution);
                 for _ in 0..rate as u32 / 2 {
                     world.step(1.0 / rate).unwrap();
                 }
-                let body = solid(&mut world, falling.clone(), (mass, 0.37 + low, 2.4), 0.5);
+                let body = solid(&mut world, falling.clone(), (mass, 0.37 + low, 2.4), restitution);
                 let (mut up, mut deep) = (0.0_f32, 0.0_f64);
                 for _ in 0..rate as u32 / 2 {
                     world.step(1.0 / rate).unwrap();
                     up = up.max(world.linear_velocity(body).unwrap().y);
                     deep = deep.max(0.07 + low - world.pose(body).unwrap().position.y);
                 }
-                let what = format!("{falling:?} of {mass} kg at {rate} Hz, {solver:?}");
-                assert!(up < 0.1, "{what}: up at {up} m/s");
+                let what = format!("{falling:?} of {mass} kg at {rate} Hz, e {restitution}, {solver:?}");
+                println!("{what}: up at {up} m/s, {deep} m deep");
+                assert!(up < 0.1 + 3.8 * restitution, "{what}: up at {up} m/s");
                 assert!(deep < if rate < 60.0 { 1.0e-2 } else { 2.0e-3 }, "{what}: {deep} m deep");
             }
         }

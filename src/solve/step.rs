@@ -118,7 +118,7 @@ impl BatchStages {
             self.load_release.note(batch);
         }
         self.joint_energy.note(threads, &batch.velocities, &batch.poses);
-        self.impacts.note(&batch.velocities);
+        self.impacts.note(&batch.velocities, &batch.contacts);
         batch.prepare_joints(joints, threads, h, false, true);
         let is_mesh = self.joint_mesh.is_one();
         let is_weighed = is_mesh && self.joint_mesh.solve(batch, self.joint_energy.noted(), threads, h);
@@ -156,7 +156,7 @@ impl BatchStages {
         self.settle(batch, joints, threads, false);
         self.followed.add_up(&batch.motions);
         if !is_last {
-            self.rebound(batch, settings.restitution_threshold);
+            self.rebound(batch, settings.restitution_threshold, h);
         }
     }
 
@@ -169,7 +169,7 @@ impl BatchStages {
             self.close_joints(batch, joints, threads, h);
             batch.poses.keep_turning(threads, &mut batch.velocities, &batch.motions);
         }
-        self.rebound(batch, settings.restitution_threshold);
+        self.rebound(batch, settings.restitution_threshold, h);
         batch.place_round_contacts();
         self.slides.find(&batch.contacts, &batch.velocities, &batch.motions, (h, settings.substeps), threads);
         self.recovery.recover_positions(batch, threads, settings.dt);
@@ -190,13 +190,14 @@ impl BatchStages {
     }
 
     /// Lets points that have hit something in the substep leave again, and adds up its multipliers.
-    fn rebound(&mut self, batch: &mut Batch, threshold: f32) {
+    fn rebound(&mut self, batch: &mut Batch, threshold: f32, h: f32) {
         self.impacts.apply(batch);
         contact_kernels::restitute(&mut batch.contacts, &mut batch.velocities, threshold);
+        self.contact_newton.end_blows(batch, h);
         batch.add_to_tally();
         batch.contacts.end_blows();
-        self.contact_newton.forget_blows(&mut batch.contacts);
         self.impacts.forget(&mut batch.contacts);
+        self.contact_newton.forget_blows(&mut batch.contacts);
     }
 
     /// Warm start and sweeps of a substep of length `h`.
@@ -223,7 +224,7 @@ impl BatchStages {
         let (direct, context) = batch.direct_and_context(threads);
         direct.warm_start(context, iterations);
         self.momentum_pass.apply(batch, threads);
-        self.contact_newton.apply(batch, h);
+        self.contact_newton.apply(batch);
         for iteration in 0..iterations {
             let is_last = iteration + 1 == iterations;
             if iteration > 0 && is_last {

@@ -104,8 +104,8 @@ impl ContactNewton {
         self.islands.is_empty()
     }
 
-    /// Solves what the warm start has left of a substep of length `h` (s); velocities and multipliers are exact then.
-    pub(crate) fn apply(&mut self, batch: &mut Batch, h: f32) {
+    /// Solves what the warm start has left of a substep; velocities and multipliers are exact then.
+    pub(crate) fn apply(&mut self, batch: &mut Batch) {
         for number in 0..self.islands.len() {
             let island = self.islands[number];
             if island.gave_up {
@@ -127,29 +127,64 @@ impl ContactNewton {
             } else {
                 self.islands[number].gave_up = true;
             }
-            // What rebounds has been stopped by then, where this would still have to stop it.
+            if self.islands[number].is_struck {
+                let Self { contacts, now, .. } = self;
+                contacts[island.contacts()].iter_mut().for_each(|contact| contact.look_ahead(&batch.contacts, now));
+            }
+        }
+    }
+
+    /// Ends blows of a substep of length `h` (s), after whatever rebounds: stops what has closed its gap by now and still closes in, and finds
+    /// what is to be carried on.
+    pub(crate) fn end_blows(&mut self, batch: &mut Batch, h: f32) {
+        for number in 0..self.islands.len() {
+            let island = self.islands[number];
+            if !island.is_struck {
+                continue;
+            }
             let rebounds = |contact: &NewtonContact| contact.rebounds(&batch.contacts);
-            if self.islands[number].is_struck && island.ratio > ALIKE && !self.contacts[island.contacts()].iter().any(rebounds) {
+            if island.ratio > ALIKE || self.contacts[island.contacts()].iter().any(rebounds) {
+                self.stop_rest(batch, &island);
                 self.find_loads(batch, &island, h);
             }
         }
     }
 
-    /// After a blow, finds the multipliers that hold the bodies in the substep to come, if nothing else strikes: a blow says nothing of them.
+    /// Stops what touches and still closes in. It is part of the blow.
+    fn stop_rest(&mut self, batch: &mut Batch, island: &ContactIsland) {
+        let Self { bodies, contacts, start, free, now, .. } = self;
+        start.clear();
+        start.extend(bodies[island.bodies()].iter().map(|body| six(&batch.velocities[body.slot as usize])));
+        (free.clone_from(start), now.clone_from(start));
+        let contacts = &mut contacts[island.contacts()];
+        contacts.iter_mut().for_each(NewtonContact::begin_anew);
+        let tolerance = BLOW_SHARE * self.blow;
+        let closing = contacts.iter().fold(0.0_f64, |most, contact| most.max(contact.closing_speed(&contact.rates(now))));
+        if closing > tolerance && self.solve(island, [tolerance; 2]) && self.finish(island) {
+            self.store_velocities(batch, island);
+            self.contacts[island.contacts()].iter().for_each(|contact| contact.add_to(&mut batch.contacts));
+        }
+    }
+
+    /// Finds the multipliers that hold the bodies in the substep to come, if nothing strikes in it: a blow says nothing of them. They are against
+    /// what forces make of velocities alone, since what is left of the blow to within tolerance may be more than that.
     fn find_loads(&mut self, batch: &Batch, island: &ContactIsland, h: f32) {
         let Self { bodies, contacts, start, now, .. } = self;
-        for contact in &mut contacts[island.contacts()] {
-            contact.look_ahead(&batch.contacts, now);
-        }
-        for (body, now) in bodies[island.bodies()].iter().zip(&mut *now) {
-            let gained = batch.motions[body.slot as usize].acceleration.as_dvec3() * f64::from(h);
-            now.iter_mut().zip(gained.to_array()).for_each(|(speed, gained)| *speed += gained);
-        }
+        let bodies = &bodies[island.bodies()];
+        let contacts = &mut contacts[island.contacts()];
+        now.clear();
+        now.extend(bodies.iter().map(|body| six(&batch.velocities[body.slot as usize])));
         // What strikes then is solved then, and would be carried on as a load.
-        if closing_speed(&contacts[island.contacts()], now, self.blow) > 0.0 {
+        if closing_speed(contacts, now, self.blow) > 0.0 {
             return;
         }
-        start.clone_from(now);
+        contacts.iter_mut().for_each(|contact| contact.begin_from_rest(now));
+        start.clear();
+        start.extend(bodies.iter().map(|body| {
+            let [x, y, z] = (batch.motions[body.slot as usize].acceleration.as_dvec3() * f64::from(h)).to_array();
+            [x, y, z, 0.0, 0.0, 0.0]
+        }));
+        now.clone_from(start);
         if self.solve(island, [BLOW_SHARE * self.blow; 2]) {
             for contact in &mut self.contacts[island.contacts()] {
                 let mut lambda = contact.lambda;
@@ -368,12 +403,16 @@ impl ContactNewton {
     }
 
     fn store(&self, batch: &mut Batch, island: &ContactIsland) {
+        self.store_velocities(batch, island);
+        self.contacts[island.contacts()].iter().for_each(|contact| contact.store(&contact.lambda, &mut batch.contacts));
+    }
+
+    fn store_velocities(&self, batch: &mut Batch, island: &ContactIsland) {
         for (body, &[x, y, z, u, v, w]) in self.bodies[island.bodies()].iter().zip(&self.now) {
             let velocity = &mut batch.velocities[body.slot as usize];
             velocity.linear = DVec3::new(x, y, z).as_vec3();
             velocity.angular = DVec3::new(u, v, w).as_vec3();
         }
-        self.contacts[island.contacts()].iter().for_each(|contact| contact.store(&contact.lambda, &mut batch.contacts));
     }
 }
 

@@ -166,15 +166,26 @@ impl NewtonContact {
         self.take_load();
     }
 
-    /// Gets ready for the substep after one that ends with these velocities, from no multipliers: gaps are smaller by then.
+    /// Takes the gaps that bodies leave which move with these velocities through the substep.
     pub(super) fn look_ahead(&mut self, contacts: &ContactBlocks, velocities: &[Six]) {
         let rates = self.rates(velocities);
         for i in 0..self.normals() {
             let closing = f64::from(contacts.rows(self.block as usize, i).closing_speed[usize::from(self.lane)]);
             self.bias[i] += rates[i].max(0.0) - closing;
         }
-        (self.lambda, self.warm) = (self.warm, [0.0; ROWS]);
-        self.take_load();
+    }
+
+    /// Begins a solve from no multipliers.
+    pub(super) fn begin_anew(&mut self) {
+        (self.warm, self.lambda, self.load) = ([0.0; ROWS], [0.0; ROWS], 0.0);
+    }
+
+    /// The same for what is added to these velocities, of which normals that close in by a rounding are at rest.
+    pub(super) fn begin_from_rest(&mut self, velocities: &[Six]) {
+        self.begin_anew();
+        let normals = self.normals();
+        self.bias = self.rates(velocities);
+        self.bias[..normals].iter_mut().for_each(|rate| *rate = rate.max(0.0));
     }
 
     /// Sets the load that friction is a share of from the multipliers of now.
@@ -206,6 +217,14 @@ impl NewtonContact {
         if let Some(twist) = contacts.twist_mut(number) {
             twist.lambda[lane] = lambda[normals + 2] as f32;
         }
+    }
+
+    /// Adds its multipliers to those of its block.
+    pub(super) fn add_to(&self, contacts: &mut ContactBlocks) {
+        let mut sum = Self { ..*self };
+        sum.load(contacts, [None; 2]);
+        let total = std::array::from_fn(|row| sum.warm[row] + self.lambda[row]);
+        self.store(&total, contacts);
     }
 
     /// J v + c of every row.

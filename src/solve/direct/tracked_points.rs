@@ -6,6 +6,7 @@ use super::curved_contacts::{Curved, CurvedPoint, change};
 use super::multistep::rotation_vector;
 use crate::solve::contact::{ContactInput, POINTS};
 use crate::solve::joint::LocalPose;
+use crate::solve::joint::rows::Rate;
 
 /// Points that settle nearer to each other than this fraction of the body's reach are one, as are those nearer than [`MISSED`] of the way
 /// that one of them has settled by.
@@ -95,6 +96,27 @@ impl TrackedPoints {
             });
         }
         spots
+    }
+}
+
+/// How far a body has gone and turned since the start of the step, so long (s) after it has this pose and this velocity.
+pub(crate) fn way(now: &LocalPose, began: &LocalPose, rate: &Rate, later: f64) -> [DVec3; 2] {
+    let (way, turn) = change(now, began);
+    [way + rate.linear * later, rotation_vector(turn) + rate.angular * later]
+}
+
+/// Moves levers of friction from the start of the step to where the contact is after both bodies have gone these ways and turned by these vectors.
+///
+/// It goes with the body whose middle it is nearer to, and turns with that about the normal: what stands on a turntable is carried round, and
+/// at the levers that it began with it would be pushed along the tangent, outwards by ½ ω² dt of its radius in a second. What rolls is not
+/// taken along by what it turns across the normal.
+pub(crate) fn carry(levers: &mut [DVec3; 2], normal: DVec3, ways: [[DVec3; 2]; 2]) {
+    let [off_a, off_b] = levers.map(|lever| lever.reject_from_normalized(normal).length_squared());
+    let lead = usize::from(off_b <= off_a);
+    let [way, turn] = ways[lead];
+    let goes = way + normal.cross(levers[lead]) * normal.dot(turn);
+    for (lever, [way, _]) in levers.iter_mut().zip(ways) {
+        *lever += (goes - way).reject_from_normalized(normal);
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DMat3, DVec2, DVec3, Quat, Vec3};
 
 use super::super::batch::Batch;
-use super::super::contact::{POINTS, tangents};
+use super::super::contact::{LANES, POINTS, tangents};
 use super::super::contact_block::ContactBlocks;
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use super::{Impact, ImpactBody, ImpactManifold, ImpactPoint};
@@ -24,6 +24,8 @@ pub(crate) struct Impacts {
     may_happen: bool,
     /// Velocities from before anything acted on them in the substep but forces.
     before: Vec<BodyVelocity>,
+    /// Multipliers along normals that the substep began with, of each block.
+    warm: Vec<[[f32; LANES]; POINTS]>,
     /// Islands in which something has hit.
     struck: Vec<u32>,
     /// Manifolds of those: island, number, and place.
@@ -56,11 +58,16 @@ impl Impacts {
                 .is_some_and(|island| self.struck.binary_search(&(island as u32)).is_ok())
     }
 
-    /// Keeps the velocities that contacts hit with in this substep.
-    pub(crate) fn note(&mut self, velocities: &[BodyVelocity]) {
+    /// Keeps the velocities that contacts hit with in this substep, and the multipliers that they begin it with.
+    pub(crate) fn note(&mut self, velocities: &[BodyVelocity], contacts: &ContactBlocks) {
         if self.may_happen {
             self.before.clear();
             self.before.extend_from_slice(velocities);
+            self.warm.clear();
+            self.warm.extend((0..contacts.blocks.len()).map(|block| {
+                let room = contacts.room_of(block);
+                std::array::from_fn(|i| if i < room { contacts.rows(block, i).lambda } else { [0.0; LANES] })
+            }));
         }
     }
 
@@ -143,7 +150,8 @@ impl Impacts {
             let mut carried = [0.0; POINTS];
             for (i, point) in points.iter().enumerate() {
                 contacts.rows_mut(number, i).lambda[l] = (point.lambda + point.blow) as f32;
-                carried[i] = point.lambda as f32;
+                // What stops the rest of a blow is no load.
+                carried[i] = (point.lambda as f32).min(self.warm[number][i][l]);
             }
             let block_of = &mut contacts.blocks[number];
             block_of.tangent_lambda[0][l] = manifold.slide.x as f32;
@@ -163,7 +171,7 @@ impl Impacts {
                 }
             }
             if blow > 0.0 {
-                let share = load / (load + blow);
+                let share = f64::from(carried.iter().sum::<f32>()) / (load + blow);
                 self.carried.push((block, lane, carried, share as f32));
             }
         }

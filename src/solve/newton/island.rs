@@ -300,9 +300,9 @@ impl CoupledIsland {
         }
         let Self { problem, held, bodies, moved, rates, local_poses, .. } = self;
         held.add_rows(joints, problem, Ends { bodies, moved, rates, local_poses }, h, left);
-        let Self { problem, patches, moved, local_poses, began, .. } = self;
+        let Self { problem, patches, moved, local_poses, began, rates, .. } = self;
         for patch in patches {
-            patch.add_terms(patch.bodies.map(|body| moved[body]), local_poses, began, h, &mut problem.terms);
+            patch.add_terms(patch.bodies.map(|body| moved[body]), (local_poses, began, rates), h, &mut problem.terms);
         }
         self.mask();
         self.find_stiffness(h);

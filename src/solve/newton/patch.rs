@@ -8,7 +8,7 @@ use super::stiffness::Rolling;
 use super::term::{Law, Term};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::direct::curved_contacts::CurvedPoint;
-use crate::solve::direct::tracked_points::{TrackedPoints, overlap};
+use crate::solve::direct::tracked_points::{TrackedPoints, carry, overlap, way};
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 
@@ -130,8 +130,7 @@ impl Patch {
     pub(crate) fn add_terms(
         &mut self,
         moved: [u32; 2],
-        local_poses: &[LocalPose],
-        began: &[LocalPose],
+        (local_poses, began, rates): (&[LocalPose], &[LocalPose], &[Rate]),
         h: f64,
         terms: &mut Vec<Term>,
     ) {
@@ -152,10 +151,13 @@ impl Patch {
         let count = self.spots.count as u32;
         let share = 1.0 / self.spots.count as f64;
         let normal = spots[0].normal;
-        let centers = [
+        let mut centers = [
             spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share,
             spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share,
         ];
+        if self.spots.curved().is_none() {
+            carry(&mut centers, normal, self.bodies.map(|body| way(&local_poses[body], &began[body], &rates[body], 0.5 * h)));
+        }
         let (t1, t2) = tangents(normal.as_vec3());
         let across = [t1.as_dvec3(), t2.as_dvec3()];
         self.across = across;
