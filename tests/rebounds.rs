@@ -2,7 +2,8 @@
 
 use longspan::glam::{DVec3, Vec3};
 use longspan::{
-    BodyDef, BodyId, BodyKind, Geometry, JointDef, JointKind, Mass, Material, Pose, Shape, ShapeDef, Solver, World, WorldDef,
+    BodyDef, BodyId, BodyKind, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef, Solver,
+    World, WorldDef,
 };
 
 const RADIUS: f32 = 0.1;
@@ -332,5 +333,29 @@ fn what_a_wall_pushes_goes_no_faster_than_the_wall() {
         }
         let speed = world.linear_velocity(crates[1]).unwrap().x;
         assert!(speed > 0.999, "{mass} kg at {rate} Hz: {speed} m/s");
+    }
+}
+
+/// The same of a slider whose motor sets off just before a body: nobody knows of the speed that it will hit with when the step begins.
+#[test]
+fn what_a_motor_pushes_goes_no_faster_than_the_motor() {
+    for (mass, rate) in [1.0, 5.0, 50.0].into_iter().flat_map(|mass| [30.0_f32, 60.0, 120.0].map(|rate| (mass, rate))) {
+        for gap in [0.0, 1.0e-3, 3.0e-3, 1.0e-2, 3.0e-2] {
+            let mut world = world(0.0, 4);
+            let mut put = |x: f64, mass: f32| {
+                let def = BodyDef { mass: Mass::Total(mass), ..BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)) };
+                world.create_body(&def.with_shape(ShapeDef::new(Shape::cuboid(Vec3::splat(0.2)).unwrap()))).unwrap()
+            };
+            let (pusher, body) = (put(0.0, 10.0), put(0.4 + gap, mass));
+            let motor = Motor::Velocity { target: 1.0, max_force: 1.0e5 };
+            let kind = JointKind::Prismatic { limits: Limits::NONE, motor };
+            world.create_joint(&JointDef::new(kind, BodyId::NULL, pusher)).unwrap();
+            let mut fastest = 0.0_f32;
+            for _ in 0..rate as u32 {
+                world.step(1.0 / rate).unwrap();
+                fastest = fastest.max(world.linear_velocity(body).unwrap().x);
+            }
+            assert!((0.999..1.005).contains(&fastest), "{mass} kg, {gap} m off, {rate} Hz: {fastest} m/s by a motor of 1 m/s");
+        }
     }
 }

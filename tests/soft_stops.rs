@@ -247,6 +247,10 @@ fn all_keep(cases: impl Iterator<Item = Case>, bounds: [f64; 2]) {
 
 const RATES: [f32; 4] = [30.0, 60.0, 120.0, 240.0];
 
+/// One case of so many is taken: prime to how many values of each kind there are, so that each value meets those of all others. All keep the bounds,
+/// in half a minute.
+const ONE_OF: usize = 7;
+
 fn matrix(solver: Solver, frequencies: &[f64], dampings: &[f64]) -> Vec<Case> {
     let mut cases = Vec::new();
     for stop in Stop::ALL {
@@ -270,24 +274,29 @@ fn matrix(solver: Solver, frequencies: &[f64], dampings: &[f64]) -> Vec<Case> {
 #[test]
 fn what_flies_into_a_soft_stop_goes_as_a_damped_mass_on_a_spring() {
     let cases = matrix(Solver::Auto, &[1.0, 4.0, 10.0, 20.0], &[0.0, 0.2, 0.7, 1.0, 2.0]);
-    all_keep(cases.into_iter(), [0.03, 0.03]);
+    all_keep(cases.into_iter().step_by(ONE_OF), [0.03, 0.03]);
 }
 
 #[test]
 fn swept_joints_meet_soft_stops_as_springs_to_first_order() {
     let cases = matrix(Solver::GaussSeidel, &[1.0, 4.0], &[0.0, 0.2, 1.0]);
     let resolved = cases.into_iter().filter(|case| f64::from(case.rate) >= 30.0 * case.frequency);
-    all_keep(resolved, [0.25, 0.25]);
+    all_keep(resolved.step_by(ONE_OF), [0.25, 0.25]);
 }
 
 #[test]
 fn what_no_substep_resolves_comes_back_no_faster_than_it_came() {
+    let mut number = 0;
     for (stop, solver) in Stop::ALL.into_iter().flat_map(|stop| [Solver::Auto, Solver::GaussSeidel].map(|solver| (stop, solver)))
     {
         for (rate, frequency) in RATES.into_iter().flat_map(|rate| [10.0, 33.0, 100.0, 300.0, 1000.0, 5000.0].map(|f| (rate, f)))
         {
             for (damping, phase) in [0.0, 0.1, 1.0].into_iter().flat_map(|damping| [0.0, 0.3, 0.7, 0.95].map(|p| (damping, p))) {
                 for speed in [0.05, 1.0, 4.0] {
+                    number += 1;
+                    if number % ONE_OF != 0 {
+                        continue;
+                    }
                     let case = Case { stop, solver, rate, frequency, damping, phase, speed, ..Case::PLAIN };
                     let (mut world, moved, _) = case.build();
                     let mut fastest = 0.0_f64;

@@ -82,6 +82,8 @@ struct IslandTraits {
     stiffness: f64,
     /// Whether a joint has stops on angles.
     is_limbed: bool,
+    /// Whether a motor or spring of a joint may close any gap that contacts were looked for in.
+    is_driven: bool,
     /// Whether a joint is with something that rows do not move.
     is_anchored: bool,
     /// Whether all joints hold points together and do nothing else.
@@ -152,6 +154,7 @@ impl Planner {
             look.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
             look.is_plain &= link.traits.is_plain;
             look.is_limbed |= link.traits.limits_angles;
+            look.is_driven |= link.traits.has_motor || !link.traits.gives_by_motors_alone;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
             look.is_anchored |= ends.contains(&0) && is_anchor(link);
             look.is_looped |= !join(tied, ends);
@@ -261,8 +264,8 @@ impl IslandTraits {
             self.loose.is_turned |= velocities[slot].angular != Vec3::ZERO;
         }
         self.loose.is_pressed |= contact.presses();
-        let is_driven = ends.iter().any(|motion| motion.driven);
-        if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, velocities, settings) {
+        let is_driven = self.is_driven || ends.iter().any(|motion| motion.driven);
+        if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, (velocities, motions), settings.dt) {
             return;
         }
         if ends.iter().any(|motion| motion.jointed) {
@@ -471,10 +474,10 @@ fn opening(contact: &ContactInput, point: usize, velocities: &[BodyVelocity]) ->
     contact.normal.dot(of_b - of_a)
 }
 
-/// Whether a contact may close within the step, at the speeds of now and what gravity adds.
-fn may_meet(contact: &ContactInput, velocities: &[BodyVelocity], settings: &StepSettings) -> bool {
-    let dt = settings.dt;
-    let fall = settings.gravity.length() * dt * dt;
+/// Whether a contact may close within a step of `dt` (s), at the speeds of now and what gravity and the host's forces add.
+fn may_meet(contact: &ContactInput, (velocities, motions): (&[BodyVelocity], &[BodyMotion]), dt: f32) -> bool {
+    let most = |slot: u32| motions[slot as usize].acceleration.length();
+    let fall = most(contact.a).max(most(contact.b)) * dt * dt;
     (0..contact.count).any(|point| contact.separation[point] <= fall - opening(contact, point, velocities).min(0.0) * dt)
 }
 

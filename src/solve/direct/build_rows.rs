@@ -91,12 +91,11 @@ impl Articulation {
     fn build_contact_rows(&mut self, node: usize, next: &mut usize, phase: Phase) {
         let Self { touches, local_poses, step_start, system, rates, h, .. } = self;
         while let Some(touch) = touches.get(*next).filter(|touch| touch.node as usize == node) {
-            let spots = touch.spots(local_poses, step_start);
             match phase {
                 Phase::Velocity { h } | Phase::Tangent { h } | Phase::Leap { h } => {
-                    touch.add_rows(system, &spots, &rates[touch.other as usize], h);
+                    touch.add_rows(system, (local_poses, step_start, rates), h);
                 }
-                Phase::Position { .. } => touch.add_position_rows(system, &spots, *h),
+                Phase::Position { .. } => touch.add_position_rows(system, &touch.spots(local_poses, step_start), *h),
             }
             *next += 1;
         }

@@ -14,7 +14,7 @@ use super::contact_rows::RowAnchor;
 use super::curved_contacts::CurvedPoint;
 use super::row::FRICTION_ROWS;
 use super::system::System;
-use super::tracked_points::{TrackedPoints, overlap};
+use super::tracked_points::{TrackedPoints, carry, overlap, way};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
@@ -126,8 +126,15 @@ impl ArticulationContact {
         RowAnchor { side: self.side as usize, lever, opposite: self.other_moves.then_some(other_lever) }
     }
 
-    /// Adds its rows for a substep of length `h` (s) to the last node.
-    pub(crate) fn add_rows(&self, system: &mut System, spots: &[CurvedPoint; POINTS], other: &Rate, h: f64) {
+    /// Adds its rows for a substep of length `h` (s) to the last node, between bodies that have moved from where they began.
+    pub(crate) fn add_rows(
+        &self,
+        system: &mut System,
+        (local_poses, began, rates): (&[LocalPose], &[LocalPose], &[Rate]),
+        h: f64,
+    ) {
+        let spots = self.spots(local_poses, began);
+        let other = &rates[self.other as usize];
         // What is moved too has its speed in the rows.
         let other = if self.other_moves { Rate { linear: DVec3::ZERO, angular: DVec3::ZERO } } else { *other };
         system.begin_contact(self.friction, self.twist_arm);
@@ -138,10 +145,17 @@ impl ArticulationContact {
             system.add_normal(&self.grip(spot.lever, spot.other_lever), spot.normal, bias, lambda);
         }
         let share = 1.0 / self.spots.count as f64;
-        let center = spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share;
-        let other_center = spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share;
-        let passing = other.linear + other.angular.cross(other_center);
         let normal = spots[0].normal;
+        let mut centers = [
+            spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share,
+            spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share,
+        ];
+        // What follows surfaces has been followed up to now.
+        let since = if self.spots.curved().is_some() { local_poses } else { began };
+        let sides = [self.other, self.body].map(|body| body as usize);
+        carry(&mut centers, normal, sides.map(|body| way(&local_poses[body], &since[body], &rates[body], 0.5 * h)));
+        let [other_center, center] = centers;
+        let passing = other.linear + other.angular.cross(other_center);
         let (t1, t2) = tangents(normal.as_vec3());
         let rows = [t1, t2].map(|t| t.as_dvec3()).map(|t| (t, -t.dot(passing), t.dot(self.tangential)));
         let twist = (normal, -normal.dot(other.angular), self.twist);

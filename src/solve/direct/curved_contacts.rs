@@ -88,17 +88,18 @@ impl Curved {
         let under = other.0 + other.1 * spot.other_lever - spot.other_lever;
         let normal = spot.normal;
         let offset = back * (normal * spot.separation + point - under);
-        let turn = rotation_vector(back * own.1);
-        let aside = self.flatten(offset);
-        let on_own = (self.yielding * (self.flatten(turn.cross(normal)) - self.other * aside)).clamp_length_max(self.reach);
+        let (swing, twist) = split(back * own.1, normal);
+        let (of_own, yielding) = self.twisted(twist);
+        let (turn, aside) = (rotation_vector(swing), self.flatten(offset));
+        let on_own = (yielding * (self.flatten(turn.cross(normal)) - self.other * aside)).clamp_length_max(self.reach);
         let on_other = aside + on_own;
         let lean = self.other * on_other;
         // Written so that what is no number stays behind too.
         let is_small = turn.length_squared() < MAX_TURN * MAX_TURN && lean.length_squared() < MAX_TURN * MAX_TURN;
         is_small.then(|| {
-            let (x, drop) = along(on_own, self.own * on_own);
+            let (x, drop) = along(on_own, of_own * on_own);
             let (y, other_drop) = along(on_other, lean);
-            let (x, y) = (self.raise(x) + normal * drop, self.raise(y) - normal * other_drop);
+            let (x, y) = (twist.conjugate() * self.raise(x) + normal * drop, self.raise(y) - normal * other_drop);
             let leaning = (normal + self.raise(lean * (1.0 + lean.length_squared() / 3.0))).normalize();
             CurvedPoint {
                 normal: other.1 * leaning,
@@ -107,6 +108,15 @@ impl Curved {
                 separation: leaning.dot(offset + back * (own.1 * x) - y),
             }
         })
+    }
+
+    /// The body's operator after it has turned about the normal against the other, and the inverse of the sum.
+    fn twisted(&self, twist: DQuat) -> (DMat2, DMat2) {
+        let axes = self.tangents.map(|tangent| self.flatten(twist * tangent));
+        let turn = DMat2::from_cols(axes[0], axes[1]);
+        let own = turn * self.own * turn.transpose();
+        // What is as round in all directions, or does not turn, keeps it.
+        if own == self.own { (own, self.yielding) } else { (own, inverse_above(own + self.other, FLAT / self.reach)) }
     }
 
     /// Where the surfaces are tangent, from a point at which they are not: their outward normals there, and the way to the body's point from
@@ -141,6 +151,19 @@ impl Curved {
         let around = (DMat2::IDENTITY + self.other * height).inverse() * (self.other * self.flatten(speed));
         (stiffness, normal.cross(self.raise(around)))
     }
+}
+
+/// A rotation as one about the normal and then one across it. Its vector as a whole is off by half the product of the two: by so much of its radius
+/// the point under a ball that rolls on a turntable would lie aside.
+fn split(rotation: DQuat, normal: DVec3) -> (DQuat, DQuat) {
+    let about = normal * normal.dot(DVec3::new(rotation.x, rotation.y, rotation.z));
+    let length = (about.length_squared() + rotation.w * rotation.w).sqrt();
+    // Of half a turn across the normal it is not known.
+    if length == 0.0 {
+        return (rotation, DQuat::IDENTITY);
+    }
+    let twist = DQuat::from_xyzw(about.x / length, about.y / length, about.z / length, rotation.w / length);
+    (rotation * twist.conjugate(), twist)
 }
 
 /// Where a way along a surface that turns its normal by `turn` ends: across the normal, and how far below the tangent plane (m). Series of
@@ -230,6 +253,17 @@ mod tests {
         assert!((found.lever - spot.lever).length() < 2e-3, "{}", found.lever);
         let (stiffness, _) = rod.rocking(DVec3::Y, 0.02, DVec3::ZERO);
         assert!(stiffness.abs_diff_eq(DMat3::ZERO, 1e-12), "{stiffness}");
+    }
+
+    /// A ball that rolls over what turns under it touches it right below its centre.
+    #[test]
+    fn a_ball_that_rolls_on_a_turntable_touches_it_below_its_centre() {
+        let ball = Curved::new([DMat3::IDENTITY / 0.1, DMat3::ZERO], DVec3::Y, 0.1).expect("a ball is round");
+        let spot = CurvedPoint { normal: DVec3::Y, lever: DVec3::Y * -0.1, other_lever: DVec3::X, separation: 0.0 };
+        let own = (DVec3::new(0.02, 0.0, 0.01), DQuat::from_rotation_y(0.1) * DQuat::from_rotation_z(-0.3));
+        let found = ball.follow(&spot, &own, &(DVec3::ZERO, DQuat::from_rotation_y(0.2))).unwrap();
+        assert!((found.lever - spot.lever).length() < 1e-6, "{}", found.lever);
+        assert!((found.other_lever - DVec3::new(1.02, 0.0, 0.01)).length() < 1e-6, "{}", found.other_lever);
     }
 
     #[test]

@@ -155,9 +155,9 @@ impl Patch {
             spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share,
             spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share,
         ];
-        if self.spots.curved().is_none() {
-            carry(&mut centers, normal, self.bodies.map(|body| way(&local_poses[body], &began[body], &rates[body], 0.5 * h)));
-        }
+        // What follows surfaces has been followed up to now.
+        let since = if self.spots.curved().is_some() { local_poses } else { began };
+        carry(&mut centers, normal, self.bodies.map(|body| way(&local_poses[body], &since[body], &rates[body], 0.5 * h)));
         let (t1, t2) = tangents(normal.as_vec3());
         let across = [t1.as_dvec3(), t2.as_dvec3()];
         self.across = across;
