@@ -82,7 +82,7 @@ struct IslandTraits {
     stiffness: f64,
     /// Whether a joint has stops on angles.
     is_limbed: bool,
-    /// Whether a motor or spring of a joint may close any gap that contacts were looked for in.
+    /// Whether a joint has a motor that does not give, which may close any gap that contacts were looked for in.
     is_driven: bool,
     /// Whether a joint is with something that rows do not move.
     is_anchored: bool,
@@ -154,7 +154,7 @@ impl Planner {
             look.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
             look.is_plain &= link.traits.is_plain;
             look.is_limbed |= link.traits.limits_angles;
-            look.is_driven |= link.traits.has_motor || !link.traits.gives_by_motors_alone;
+            look.is_driven |= link.traits.has_rigid_motor;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
             look.is_anchored |= ends.contains(&0) && is_anchor(link);
             look.is_looped |= !join(tied, ends);
