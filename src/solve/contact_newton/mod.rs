@@ -155,7 +155,8 @@ impl ContactNewton {
         let Self { bodies, contacts, start, free, now, .. } = self;
         start.clear();
         start.extend(bodies[island.bodies()].iter().map(|body| six(&batch.velocities[body.slot as usize])));
-        (free.clone_from(start), now.clone_from(start));
+        free.clone_from(start);
+        now.clone_from(start);
         let contacts = &mut contacts[island.contacts()];
         contacts.iter_mut().for_each(NewtonContact::begin_anew);
         let tolerance = BLOW_SHARE * self.blow;
