@@ -69,6 +69,7 @@ mod snapshots;
 mod soft_stops;
 mod spans;
 mod springs;
+mod square_posts;
 mod stability;
 mod stacks;
 mod state;

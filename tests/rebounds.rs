@@ -1,6 +1,6 @@
 //! Rebounds: energy is passed on, lost to what is not elastic, and never made.
 
-use longspan::glam::{DVec3, Vec3};
+use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, BodyKind, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef, Solver,
     World, WorldDef,
@@ -356,6 +356,61 @@ fn what_a_motor_pushes_goes_no_faster_than_the_motor() {
                 fastest = fastest.max(world.linear_velocity(body).unwrap().x);
             }
             assert!((0.999..1.005).contains(&fastest), "{mass} kg, {gap} m off, {rate} Hz: {fastest} m/s by a motor of 1 m/s");
+        }
+    }
+}
+
+/// A ball that is hit right before a wall comes back from it: what has a gap left when a blow is over hits in a substep of its own.
+#[test]
+fn a_ball_that_is_hit_right_before_a_wall_comes_back_from_it() {
+    for rate in [30.0_f32, 60.0, 120.0, 240.0, 480.0] {
+        for gap in [1.0e-3, 2.0e-3, 5.0e-3, 1.0e-2, 3.0e-2] {
+            let mut world = world(0.0, 4);
+            world
+                .create_body(&BodyDef::fixed(Pose::at_xyz(0.2 + gap, 0.0, 0.0)).with_shape(cuboid(Vec3::new(0.1, 1.0, 1.0), 1.0)))
+                .unwrap();
+            let balls = [ball(&mut world, DVec3::X * -0.8, 4.0, 1.0), ball(&mut world, DVec3::ZERO, 0.0, 1.0)];
+            for _ in 0..rate as u32 {
+                world.step(1.0 / rate).unwrap();
+            }
+            let [first, second] = balls.map(|ball| world.linear_velocity(ball).unwrap().x);
+            assert!((first + 4.0).abs() < 0.01 && second.abs() < 0.01, "{gap} m off at {rate} Hz: {first} and {second} m/s");
+        }
+    }
+}
+
+/// What flies against a ball without friction and restitution gains nothing, whichever point of its rim it hits with, and whichever by the end of the
+/// substep would be nearest: cones came off with up to five times their energy.
+#[test]
+fn what_has_a_rim_gains_nothing_from_a_ball() {
+    for form in [Geometry::Cone { half_height: 0.5, radius: 0.5 }, Geometry::Cylinder { half_height: 0.5, radius: 0.5 }] {
+        for rate in [30.0_f32, 60.0, 120.0] {
+            for throw in 0..100_u32 {
+                let mut world = world(0.0, 4);
+                let smooth = Material { friction: 0.0, ..Material::default() };
+                let mut round = ShapeDef::new(Shape::ball(0.5).unwrap());
+                round.material = smooth;
+                world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(round)).unwrap();
+                let [turn, tilt, aside] = [0.37, 0.73, 0.59].map(|step| (throw as f32 * step).fract());
+                let rotation = Quat::from_rotation_y(6.3 * turn) * Quat::from_rotation_x(3.1 * tilt);
+                let pose = Pose::at_xyz(2.0, f64::from(1.2 * aside - 0.6), 0.0).rotated(rotation);
+                let mut shape = ShapeDef::new(Shape::new(form.clone()).unwrap());
+                shape.material = smooth;
+                let def = BodyDef { linear_velocity: Vec3::X * -10.0, ..BodyDef::dynamic(pose) };
+                let body = world.create_body(&def.with_shape(shape)).unwrap();
+                let own = world.mass_properties(body).unwrap().unwrap();
+                let energy = |world: &World| {
+                    let [speed, spin] = [world.linear_velocity(body).unwrap(), world.angular_velocity(body).unwrap()];
+                    let spin = (world.pose(body).unwrap().rotation * own.inertia_frame).conjugate() * spin;
+                    own.mass * speed.length_squared() + spin.dot(own.principal_inertia * spin)
+                };
+                let before = energy(&world);
+                for _ in 0..(0.4 * rate) as u32 {
+                    world.step(1.0 / rate).unwrap();
+                    let now = energy(&world);
+                    assert!(now < 1.001 * before, "{form:?}, throw {throw} at {rate} Hz: {before} J have become {now}");
+                }
+            }
         }
     }
 }

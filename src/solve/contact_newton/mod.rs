@@ -157,10 +157,9 @@ impl ContactNewton {
         start.extend(bodies[island.bodies()].iter().map(|body| six(&batch.velocities[body.slot as usize])));
         free.clone_from(start);
         now.clone_from(start);
-        let contacts = &mut contacts[island.contacts()];
-        contacts.iter_mut().for_each(NewtonContact::begin_anew);
         let tolerance = BLOW_SHARE * self.blow;
-        let closing = contacts.iter().fold(0.0_f64, |most, contact| most.max(contact.closing_speed(&contact.rates(now))));
+        let contacts = contacts[island.contacts()].iter();
+        let closing = contacts.fold(0.0_f64, |most, contact| most.max(contact.closing_speed(&contact.rates(now))));
         if closing > tolerance && self.solve(island, [tolerance; 2]) && self.finish(island) {
             self.store_velocities(batch, island);
             self.contacts[island.contacts()].iter().for_each(|contact| contact.add_to(&mut batch.contacts));
@@ -175,11 +174,12 @@ impl ContactNewton {
         let contacts = &mut contacts[island.contacts()];
         now.clear();
         now.extend(bodies.iter().map(|body| six(&batch.velocities[body.slot as usize])));
+        contacts.iter_mut().for_each(NewtonContact::begin_next);
         // What strikes then is solved then, and would be carried on as a load.
         if closing_speed(contacts, now, self.blow) > 0.0 {
             return;
         }
-        contacts.iter_mut().for_each(|contact| contact.begin_from_rest(now));
+        contacts.iter_mut().for_each(|contact| contact.rest(now));
         start.clear();
         start.extend(bodies.iter().map(|body| {
             let [x, y, z] = (batch.motions[body.slot as usize].acceleration.as_dvec3() * f64::from(h)).to_array();

@@ -17,6 +17,9 @@ pub(super) const ROWS: usize = POINTS + 3;
 /// A body that no row can move.
 pub(super) const FIXED: u32 = u32::MAX;
 
+/// Rate at which what is open is, which nothing closes at (m/s).
+const OPEN: f64 = 131_072.0;
+
 /// Velocity or momentum of a body: linear, then angular.
 pub(super) type Six = [f64; 6];
 
@@ -78,6 +81,8 @@ pub(super) struct NewtonContact {
     pub jacobian: [[Six; 2]; ROWS],
     /// Rate at which the row is at rest, negative: closing speeds of gaps, and what moves by itself (m/s, rad/s).
     pub bias: [f64; ROWS],
+    /// Gaps after a blow, over the substep (m/s).
+    gap: [f64; POINTS],
     inverse_mass: [f64; ROWS],
     pub compliance: [f64; ROWS],
     /// Multipliers of the warm start, which the velocities have in them, and those that the answers start from.
@@ -121,6 +126,7 @@ impl NewtonContact {
             slots: [of.a[lane], of.b[lane]],
             jacobian,
             bias: [0.0; ROWS],
+            gap: [0.0; POINTS],
             inverse_mass: [1.0; ROWS],
             compliance: [1.0; ROWS],
             warm: [0.0; ROWS],
@@ -166,23 +172,32 @@ impl NewtonContact {
         self.take_load();
     }
 
-    /// Takes the gaps that bodies leave which move with these velocities through the substep.
+    /// Takes the gaps that bodies leave which move with these velocities through the substep, and begins a solve of what touches then, from no
+    /// multipliers.
     pub(super) fn look_ahead(&mut self, contacts: &ContactBlocks, velocities: &[Six]) {
         let rates = self.rates(velocities);
         for i in 0..self.normals() {
-            let closing = f64::from(contacts.rows(self.block as usize, i).closing_speed[usize::from(self.lane)]);
-            self.bias[i] += rates[i].max(0.0) - closing;
+            self.bias[i] -= f64::from(contacts.rows(self.block as usize, i).closing_speed[usize::from(self.lane)]);
+            self.gap[i] = rates[i].max(0.0);
+            self.bias[i] += if self.gap[i] > 0.0 { OPEN } else { 0.0 };
         }
+        self.begin_anew();
     }
 
-    /// Begins a solve from no multipliers.
-    pub(super) fn begin_anew(&mut self) {
+    fn begin_anew(&mut self) {
         (self.warm, self.lambda, self.load) = ([0.0; ROWS], [0.0; ROWS], 0.0);
     }
 
-    /// The same for what is added to these velocities, of which normals that close in by a rounding are at rest.
-    pub(super) fn begin_from_rest(&mut self, velocities: &[Six]) {
+    /// Begins a solve of the substep to come.
+    pub(super) fn begin_next(&mut self) {
+        for i in (0..self.normals()).filter(|&i| self.gap[i] > 0.0) {
+            self.bias[i] += self.gap[i] - OPEN;
+        }
         self.begin_anew();
+    }
+
+    /// The same for what is added to these velocities: normals that close in by a rounding are at rest.
+    pub(super) fn rest(&mut self, velocities: &[Six]) {
         let normals = self.normals();
         self.bias = self.rates(velocities);
         self.bias[..normals].iter_mut().for_each(|rate| *rate = rate.max(0.0));

@@ -149,7 +149,7 @@ impl DirectBody {
     }
 
     /// Axis of its length in its frame, zero where it is not slender.
-    pub(super) fn length(&self) -> DVec3 {
+    pub(crate) fn length(&self) -> DVec3 {
         let moments = &self.top.inertia;
         if !self.is_dynamic() || self.top.round || !is_slender(moments) {
             return DVec3::ZERO;

@@ -82,13 +82,19 @@ impl Articulation {
     /// Whether a substep of length `h` (s) has joints press on each other by far more than all its bodies could push.
     pub(super) fn is_jammed(&self, h: f64) -> bool {
         let mass: f64 = self.bodies.iter().filter_map(|body| body.free_mass()).sum();
-        let speed = |(body, rate): (&DirectBody, &Rate)| rate.linear.length() + body.acceleration.length() * h;
+        // What goes less far than rows are crooked presses nothing together.
+        let speed = |(body, rate): (&DirectBody, &Rate)| {
+            rate.linear.length() + body.acceleration.length() * h + CROOKED * body.gyration() / h
+        };
         let most = JAMMED * mass * self.bodies.iter().zip(&self.began.rates).map(speed).fold(0.0, f64::max);
         self.entries.iter().zip(&self.links).any(|(entry, link)| {
             let impulse = entry.impulses.point.as_dvec3();
             [(0, -1.0), (1, 1.0)].into_iter().any(|(side, sign)| {
-                let lever = self.local_poses[link.bodies[side] as usize].1 * entry.local_lever[side];
-                -sign * impulse.dot(lever) > most * lever.length()
+                let body = link.bodies[side] as usize;
+                let lever = self.local_poses[body].1 * entry.local_lever[side];
+                // A joint in the middle of a body presses along no line of it, whichever way it is off by a rounding.
+                let is_beside = lever.length() > CROOKED * self.bodies[body].gyration();
+                is_beside && -sign * impulse.dot(lever) > most * lever.length()
             })
         })
     }

@@ -14,7 +14,7 @@ use super::contact_rows::RowAnchor;
 use super::curved_contacts::CurvedPoint;
 use super::row::FRICTION_ROWS;
 use super::system::System;
-use super::tracked_points::{TrackedPoints, carry, overlap, way};
+use super::tracked_points::{TrackedPoints, carry, middles, overlap, slip_of_turn, way};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
@@ -133,31 +133,28 @@ impl ArticulationContact {
         (local_poses, began, rates): (&[LocalPose], &[LocalPose], &[Rate]),
         h: f64,
     ) {
-        let spots = self.spots(local_poses, began);
+        let mut spots = self.spots(local_poses, began);
+        let spots = &mut spots[..self.spots.count];
+        let sides = [self.body, self.other].map(|body| body as usize);
+        // What follows surfaces has been followed up to now.
+        if self.spots.curved().is_none() {
+            carry(spots, sides.map(|body| way(&local_poses[body], &began[body])));
+        }
         let other = &rates[self.other as usize];
         // What is moved too has its speed in the rows.
         let other = if self.other_moves { Rate { linear: DVec3::ZERO, angular: DVec3::ZERO } } else { *other };
         system.begin_contact(self.friction, self.twist_arm);
-        let spots = &spots[..self.spots.count];
         for (spot, &lambda) in spots.iter().zip(&self.lambda) {
             let passing = spot.normal.dot(other.linear + other.angular.cross(spot.other_lever));
             let bias = spot.separation.max(0.0) / h - passing;
             system.add_normal(&self.grip(spot.lever, spot.other_lever), spot.normal, bias, lambda);
         }
-        let share = 1.0 / self.spots.count as f64;
         let normal = spots[0].normal;
-        let mut centers = [
-            spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share,
-            spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share,
-        ];
-        // What follows surfaces has been followed up to now.
-        let since = if self.spots.curved().is_some() { local_poses } else { began };
-        let sides = [self.other, self.body].map(|body| body as usize);
-        carry(&mut centers, normal, sides.map(|body| way(&local_poses[body], &since[body], &rates[body], 0.5 * h)));
-        let [other_center, center] = centers;
+        let [center, other_center] = middles(spots);
+        let slip = slip_of_turn(spots, sides.map(|body| &rates[body]), h);
         let passing = other.linear + other.angular.cross(other_center);
         let (t1, t2) = tangents(normal.as_vec3());
-        let rows = [t1, t2].map(|t| t.as_dvec3()).map(|t| (t, -t.dot(passing), t.dot(self.tangential)));
+        let rows = [t1, t2].map(|t| t.as_dvec3()).map(|t| (t, t.dot(slip - passing), t.dot(self.tangential)));
         let twist = (normal, -normal.dot(other.angular), self.twist);
         system.add_friction(&self.grip(center, other_center), rows, twist);
     }

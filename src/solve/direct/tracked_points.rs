@@ -1,6 +1,6 @@
 //! Follows the points of one manifold through a step, for solvers that hold contacts by rows of their own.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::curved_contacts::{Curved, CurvedPoint, change};
 use super::multistep::rotation_vector;
@@ -99,25 +99,51 @@ impl TrackedPoints {
     }
 }
 
-/// How far a body has gone and turned since the start of the step, so long (s) after it has this pose and this velocity.
-pub(crate) fn way(now: &LocalPose, began: &LocalPose, rate: &Rate, later: f64) -> [DVec3; 2] {
+/// How far a body has gone and turned since the start of the step.
+pub(crate) fn way(now: &LocalPose, began: &LocalPose) -> [DVec3; 2] {
     let (way, turn) = change(now, began);
-    [way + rate.linear * later, rotation_vector(turn) + rate.angular * later]
+    [way, rotation_vector(turn)]
 }
 
-/// Moves levers of friction from the start of the step to where the contact is after both bodies have gone these ways and turned by these vectors.
+/// Moves levers from the start of the step to where the contact is after its body and the other have gone these ways and turned by these vectors.
 ///
-/// It goes with the body whose middle it is nearer to, and turns with that about the normal: what stands on a turntable is carried round, and
-/// at the levers that it began with it would be pushed along the tangent, outwards by ½ ω² dt of its radius in a second. What rolls is not
-/// taken along by what it turns across the normal.
-pub(crate) fn carry(levers: &mut [DVec3; 2], normal: DVec3, ways: [[DVec3; 2]; 2]) {
-    let [off_a, off_b] = levers.map(|lever| lever.reject_from_normalized(normal).length_squared());
-    let lead = usize::from(off_b <= off_a);
-    let [way, turn] = ways[lead];
-    let goes = way + normal.cross(levers[lead]) * normal.dot(turn);
-    for (lever, [way, _]) in levers.iter_mut().zip(ways) {
-        *lever += (goes - way).reject_from_normalized(normal);
+/// It goes with the one whose middle it is nearer to, and turns with that about the normal. A link that lies across an edge and turns on it is
+/// pressed on its own line still; beside that line, the push would spin it about itself. What rolls is not taken along by what it turns across the
+/// normal. Says whether it goes with the body.
+pub(crate) fn carry(spots: &mut [CurvedPoint], [own, other]: [[DVec3; 2]; 2]) -> bool {
+    let normal = spots[0].normal;
+    let aside = |lever: DVec3| lever.reject_from_normalized(normal);
+    let middles: [DVec3; 2] = [spots.iter().map(|spot| spot.lever).sum(), spots.iter().map(|spot| spot.other_lever).sum()];
+    let leads = aside(middles[0]).length_squared() <= aside(middles[1]).length_squared();
+    let [way, turn] = if leads { own } else { other };
+    // To third order in the turn, without an angle's sine.
+    let about = DQuat::from_vec4((normal * (0.5 * normal.dot(turn))).extend(1.0)).normalize();
+    for spot in spots {
+        let lever = if leads { spot.lever } else { spot.other_lever };
+        let goes = way + about * lever - lever;
+        spot.lever += aside(goes - own[0]);
+        spot.other_lever += aside(goes - other[0]);
     }
+    leads
+}
+
+/// Middles of the points, by the levers of the body and of the other.
+pub(crate) fn middles(spots: &[CurvedPoint]) -> [DVec3; 2] {
+    let share = 1.0 / spots.len() as f64;
+    [spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share, spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share]
+}
+
+/// What the middle of the points slips by more, in the middle of a substep of length `h` (s) with these velocities, than at its start, as the body that
+/// it does not go with turns under it (m/s).
+///
+/// What stands on a turntable is carried round meanwhile: at the levers of the start it would be pushed along the tangent, outwards by ½ ω² h of its
+/// radius in a second. The levers are those of the start still, for which forces and poses keep angular momentum together. What the contact goes with
+/// is left out: of a slender body that spins the term would answer to its own force.
+pub(crate) fn slip_of_turn(spots: &mut [CurvedPoint], rates: [&Rate; 2], h: f64) -> DVec3 {
+    let [own, other] = middles(spots);
+    let leads = carry(spots, rates.map(|rate| [rate.linear * (0.5 * h), rate.angular * (0.5 * h)]));
+    let [own_later, other_later] = middles(spots);
+    if leads { -rates[1].angular.cross(other_later - other) } else { rates[0].angular.cross(own_later - own) }
 }
 
 /// Greatest overlap of these points, zero where there is none (m).

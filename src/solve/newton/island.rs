@@ -338,6 +338,7 @@ impl CoupledIsland {
             local_poses,
             began,
             rates,
+            bodies: own,
             ..
         } = self;
         torques.clear();
@@ -364,7 +365,10 @@ impl CoupledIsland {
             let bodies = ends.map(|body| moved[body]);
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
                 if bodies[side] != FIXED {
-                    torques[bodies[side] as usize] += stiffness::of_impulse(force * sign, rows.levers[side]) * h;
+                    let (force, lever) = (force * sign, rows.levers[side]);
+                    let axis = local_poses[ends[side]].1 * own[ends[side]].length();
+                    let own = stiffness::of_impulse(force, lever) + stiffness::about_axis(force, lever, axis);
+                    torques[bodies[side] as usize] += own * h;
                 }
             }
             let pull = if line { -force.dot(rows.gap) / length } else { 0.0 };

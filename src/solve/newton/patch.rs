@@ -8,7 +8,7 @@ use super::stiffness::Rolling;
 use super::term::{Law, Term};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::direct::curved_contacts::CurvedPoint;
-use crate::solve::direct::tracked_points::{TrackedPoints, carry, overlap, way};
+use crate::solve::direct::tracked_points::{TrackedPoints, carry, middles, overlap, slip_of_turn, way};
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 
@@ -134,8 +134,13 @@ impl Patch {
         h: f64,
         terms: &mut Vec<Term>,
     ) {
-        let spots = self.spots(local_poses, began);
-        let spots = &spots[..self.spots.count];
+        let mut spots = self.spots(local_poses, began);
+        let spots = &mut spots[..self.spots.count];
+        let [a, b] = self.bodies.map(|body| [&local_poses[body], &began[body]]);
+        // What follows surfaces has been followed up to now.
+        if self.spots.curved().is_none() {
+            carry(spots, [b, a].map(|[now, began]| way(now, began)));
+        }
         let first = terms.len() as u32;
         self.first = first;
         for (number, (spot, &pressed)) in spots.iter().zip(&self.normal).enumerate() {
@@ -149,21 +154,17 @@ impl Patch {
             terms.push(term);
         }
         let count = self.spots.count as u32;
-        let share = 1.0 / self.spots.count as f64;
         let normal = spots[0].normal;
-        let mut centers = [
-            spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share,
-            spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share,
-        ];
-        // What follows surfaces has been followed up to now.
-        let since = if self.spots.curved().is_some() { local_poses } else { began };
-        carry(&mut centers, normal, self.bodies.map(|body| way(&local_poses[body], &since[body], &rates[body], 0.5 * h)));
+        let centers = middles(spots);
+        let [a, b] = self.bodies.map(|body| &rates[body]);
+        let slip = slip_of_turn(spots, [b, a], h);
         let (t1, t2) = tangents(normal.as_vec3());
         let across = [t1.as_dvec3(), t2.as_dvec3()];
         self.across = across;
         if self.friction > 0.0 {
             let mut term = Term::new(moved, 2, Law::Leaning { first, count, share: self.friction });
-            term.jacobian = [0, 1].map(|side| across.map(|t| row(side, t, centers[side])));
+            term.jacobian = [0, 1].map(|side| across.map(|t| row(side, t, centers[1 - side])));
+            term.bias = across.map(|t| t.dot(slip));
             term.expected = across.map(|t| t.dot(self.tangential));
             (term.is_known, term.argument) = (self.is_known, across.map(|t| t.dot(self.tangential_argument)));
             terms.push(term);
