@@ -44,6 +44,8 @@ struct BorneTraits {
     is_more: bool,
     /// Whether something presses that is [`HEAVY`] times what joints hold against it.
     is_heavy: bool,
+    /// Whether a joint has a motor that does not give, which may close any gap that contacts were looked for in.
+    is_driven: bool,
 }
 
 /// What is known of bodies without joints that touch one another.
@@ -82,8 +84,6 @@ struct IslandTraits {
     stiffness: f64,
     /// Whether a joint has stops on angles.
     is_limbed: bool,
-    /// Whether a joint has a motor that does not give, which may close any gap that contacts were looked for in.
-    is_driven: bool,
     /// Whether a joint is with something that rows do not move.
     is_anchored: bool,
     /// Whether all joints hold points together and do nothing else.
@@ -154,7 +154,7 @@ impl Planner {
             look.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
             look.is_plain &= link.traits.is_plain;
             look.is_limbed |= link.traits.limits_angles;
-            look.is_driven |= link.traits.has_rigid_motor;
+            look.borne.is_driven |= link.traits.has_rigid_motor;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
             look.is_anchored |= ends.contains(&0) && is_anchor(link);
             look.is_looped |= !join(tied, ends);
@@ -264,7 +264,7 @@ impl IslandTraits {
             self.loose.is_turned |= velocities[slot].angular != Vec3::ZERO;
         }
         self.loose.is_pressed |= contact.presses();
-        let is_driven = self.is_driven || ends.iter().any(|motion| motion.driven);
+        let is_driven = self.borne.is_driven || ends.iter().any(|motion| motion.driven);
         if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, (velocities, motions), settings.dt) {
             return;
         }

