@@ -291,13 +291,20 @@ impl World {
             });
             let body = &mut self.bodies[index];
             if let Some(carrier) = carrier.filter(|_| body.joints.is_empty()) {
-                // Gravity has worked on the rest of the way, too, as what holds the body sees it.
-                let work = (body.center - stop.center).dot((fall * body.settings.gravity_scale).as_dvec3());
+                // Gravity has worked on the rest of the way, too, as what holds the body sees it. Of what is flagged it is taken from the whole velocity,
+                // or discs that tip over would gain by it; of what a hit sends off its way from how fast it falls, since it slides as it did.
+                let fall = fall * body.settings.gravity_scale;
+                let work = (body.center - stop.center).dot(fall.as_dvec3());
                 let seen = body.linear_velocity - carrier;
-                let square = f64::from(seen.length_squared());
-                if work > 0.0 && square > 0.0 {
+                let along = if body.settings.fast {
+                    seen
+                } else {
+                    fall * (seen.dot(fall) / fall.length_squared().max(f32::MIN_POSITIVE))
+                };
+                let square = f64::from(along.length_squared());
+                if work > 0.0 && square > 0.0 && (body.settings.fast || along.dot(fall) > 0.0) {
                     let kept = (1.0 - 2.0 * work / square).max(0.0).sqrt() as f32;
-                    body.linear_velocity = (carrier + seen * kept).clamp_length_max(MAX_LINEAR_SPEED);
+                    body.linear_velocity = (body.linear_velocity + along * (kept - 1.0)).clamp_length_max(MAX_LINEAR_SPEED);
                 }
             }
             (body.center, body.rotation) = (stop.center, stop.rotation);
