@@ -115,8 +115,8 @@ fn error(spring: Spring, solver: Solver, rate: f32, frequency: f32, damping: f32
     worst
 }
 
-/// One case of so many is taken: prime to how many values of each kind there are, so that each value meets those of all others. All keep the bound,
-/// in half a minute.
+/// One case of so many is taken: prime to how many values of each kind there are, so that each value meets those of all others. All of them kept the
+/// bound when they were last run, on 29 November 2026, in half a minute; 1 here runs them.
 const ONE_OF: usize = 5;
 
 #[test]

@@ -17,7 +17,8 @@ pub(super) const ROWS: usize = POINTS + 3;
 /// A body that no row can move.
 pub(super) const FIXED: u32 = u32::MAX;
 
-/// Rate at which what is open is, which nothing closes at (m/s).
+/// What is added to the rate of a row that has a gap left, so that it answers nothing (m/s): above any closing speed of two bodies, which have 1e4 at most
+/// each and as much by their turns, and a power of two, which is taken off again without a rounding of what matters.
 const OPEN: f64 = 131_072.0;
 
 /// Velocity or momentum of a body: linear, then angular.
