@@ -5,7 +5,9 @@
 //! stands beside the code that uses it.
 
 pub(crate) mod blows;
+pub(crate) mod overruled;
 pub(crate) mod plan;
+pub(crate) mod stress;
 
 /// Bodies that are swept along the way that a step has taken them: see `world/fast/astray.rs`.
 pub(crate) mod fast {
@@ -423,22 +425,6 @@ pub(crate) mod surface {
     pub(crate) const MAX_SINK: f32 = 5.0e-3;
 }
 
-/// Motors without a greatest force that meet what has none either: see `solve/newton/overruled.rs` and `solve/direct/active_set.rs`.
-pub(crate) mod overruled {
-    /// Compliance with which they give way in islands that are solved as one, over their own response J M⁻¹ Jᵀ.
-    /// Why: a load of a hundred times a motor's body costs it a thousandth of what falls freely in a substep meanwhile. At 1e-6 the impulses of
-    /// contacts do not settle against it.
-    /// Scenes: bodies driven into a wall, and into what stands before one, at 30 to 240 Hz.
-    /// Test: tests/overruled_motors.rs
-    pub(crate) const GIVE: f64 = 1.0e-5;
-    /// The same in articulations.
-    /// Why: as far above the compliance of contacts as below one. It pushes with a thousand times what would bring about what it asks for, and
-    /// what it holds up meanwhile sinks at a thousandth of what falls freely in a substep.
-    /// Scenes: motors and servos against limits, ropes, welds and walls at 30 to 240 Hz.
-    /// Test: tests/overruled_motors.rs
-    pub(crate) const OVERRULED_COMPLIANCE: f64 = 1.0e-3;
-}
-
 /// Needles that contacts push: see `solve/integrate.rs`.
 pub(crate) mod needles {
     /// Inertia of a needle about its axis, over that across it (1): of 1 m by 3 cm.
@@ -471,18 +457,4 @@ pub(crate) mod gaping_loops {
     /// Scenes: random graphs of joints with loops, linkages at dead centre.
     /// Test: tests/stress.rs
     pub(crate) const STUCK: f64 = 0.8;
-}
-
-/// Forces of joints and contacts that hold one another: see `solve/newton/self_stress.rs`.
-pub(crate) mod stress {
-    /// Time in which all but 1/e of them goes (s).
-    /// Why: 0.03 and 0.3 keep a tower standing too as a block is drawn out of it; velocities do not feel it.
-    /// Scenes: the tower of tests/self_stress.rs at 30 to 240 steps a second, elevator, arch, scissor_lift.
-    /// Test: tests/self_stress.rs
-    pub(crate) const TIME_CONSTANT: f64 = 0.1;
-    /// Part of the greatest force that presses from which on it is let go.
-    /// Why: what yields by its compliance has 0.002 of an exact load look so, and told loads are to be exact; a hundredth does no harm.
-    /// Scenes: elevator, scissor_lift.
-    /// Test: tests/catalogue.rs
-    pub(crate) const LEAST_PART: f64 = 1.0e-2;
 }

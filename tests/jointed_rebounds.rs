@@ -234,3 +234,33 @@ fn arms_on_elastic_stops_keep_their_energy() {
         }
     }
 }
+
+/// The ball goes off at (1 + e) times the speed of the bat.
+#[test]
+fn a_bat_on_a_motor_gives_all_of_the_restitution() {
+    let free = Axis { limits: Limits::NONE, ..Axis::limited(0.0, 0.0) };
+    for rate in RATES {
+        for (restitution, mass, is_slider) in
+            [(1.0, 1.0, true), (1.0, 10.0, true), (1.0, 0.1, false), (0.5, 1.0, false), (0.5, 100.0, true)]
+        {
+            let mut world = world(0.0);
+            let bat = Geometry::Box { half_extents: Vec3::splat(0.2) };
+            let bat = body(&mut world, 1.0, DVec3::ZERO, bat, (restitution, 0.0));
+            let motor = Motor::Velocity { target: 2.0, max_force: f32::INFINITY };
+            let kind = if is_slider {
+                JointKind::Prismatic { limits: Limits::NONE, motor }
+            } else {
+                let locked = Axis::limited(0.0, 0.0);
+                JointKind::Generic { linear: [Axis { motor, ..free }, locked, locked], angular: [locked; 3] }
+            };
+            world.create_joint(&JointDef::new(kind, BodyId::NULL, bat)).unwrap();
+            let ball = body(&mut world, mass, DVec3::X * 0.5137, Geometry::Ball { radius: 0.1 }, (restitution, 0.0));
+            for _ in 0..rate as usize {
+                world.step(1.0 / rate).unwrap();
+            }
+            let (speed, expected) = (world.linear_velocity(ball).unwrap().x, 2.0 * (1.0 + restitution));
+            let what = format!("a ball of {mass} kg, restitution {restitution}, {rate} Hz");
+            assert!((speed - expected).abs() < 1.0e-3 * expected, "{what}: {speed} m/s, expected {expected}");
+        }
+    }
+}

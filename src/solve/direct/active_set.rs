@@ -5,7 +5,7 @@ use super::friction_cone::{FREE_BELOW, revise_cone};
 use super::row::{Origin, Row, RowState};
 use super::system::System;
 use crate::solve::joint::rows::{MAX_RECOVERY_SPEED, Rate};
-use crate::tuning::overruled::OVERRULED_COMPLIANCE;
+use crate::tuning::overruled::{OVERRULED_COMPLIANCE, STRAINED};
 
 impl Row {
     /// Whether it is at a bound, and asks to push less or to pull, as its bodies part or close at these rates.
@@ -96,6 +96,31 @@ impl System {
             }
         }
         !flips.is_empty()
+    }
+
+    /// Lets motors without a bound yield that fling a body round by more than a substep resolves, as near a dead centre, where no force would do what they ask
+    /// for: those that would miss it if they yielded. Returns whether any does that did not before.
+    pub(super) fn ease_motors(&mut self, rates: &[Rate]) -> bool {
+        let Self { rows, bounded, base, .. } = self;
+        let pairs = rates.iter().zip(&base.rates);
+        if !pairs.clone().any(|(now, before)| now.angular.distance_squared(before.angular) > base.most_turn * base.most_turn) {
+            return false;
+        }
+        let mut is_eased = false;
+        for &(number, _) in &*bounded {
+            let row = &mut rows[number as usize];
+            // What holds something where it is flings nothing.
+            let is_strained = row.bias.abs() > MET[1] && row.give * row.impulse.abs() > STRAINED * row.bias.abs();
+            let is_bounded = row.min.is_finite() || row.max.is_finite();
+            if row.drives && !is_bounded && row.state == RowState::Free && row.gamma == 0.0 && is_strained {
+                row.gamma = row.give;
+                is_eased = true;
+            }
+        }
+        if is_eased {
+            (self.is_factored, self.is_abreast) = (false, false);
+        }
+        is_eased
     }
 
     /// Changes the state of the rows that have been found in a wrong one, or of the last of them alone.

@@ -13,17 +13,23 @@
 
 use glam::{DMat3, DVec3};
 
-use super::block::{Block3, Lanes, ZERO, add_scaled, block3_mut};
+use super::block::{Block3, Lanes, ZERO, add_scaled, block3, block3_mut};
 use super::body::DirectBody;
 use super::factor::{BlockFactor, POINT};
 use super::redundancy::Redundancy;
 use super::refine::{Equations, refine};
 use super::row::MAX_IMPULSE;
+use super::self_stress::SelfStresses;
 use super::topology::Topology;
 use crate::platform::dispatched;
 use crate::solve::joint::JointEntry;
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
+use crate::tuning::stress::CONTRADICTION;
+
+/// Rows that repeat others up to which loads are shared. Each costs a solve: a platform on sixteen ropes has thirteen; a flat sheet of joints
+/// has hundreds, until it sags.
+const MOST_SHARED: usize = 16;
 
 /// Where a joint is: levers from the centres of mass to the points that it holds together, and from A's point to B's (m).
 #[derive(Debug, Clone, Copy)]
@@ -76,6 +82,14 @@ pub(super) struct BallJointSystem {
     unknowns: Vec<Lanes>,
     increments: Vec<Lanes>,
     has_pushed: bool,
+    stresses: SelfStresses,
+    /// Joint and row of each pivot that is nothing.
+    dropped: Vec<(usize, usize)>,
+    /// Pivot up to which a row repeats others, whatever its own size: one that the greatest load moves by no more than they contradict each
+    /// other.
+    idle: f64,
+    /// Whether multipliers are loads, which joints that repeat one another share.
+    shares: bool,
     is_factored: bool,
 }
 
@@ -84,6 +98,17 @@ impl BallJointSystem {
     pub(super) fn begin(&mut self) {
         self.joints.clear();
         (self.is_factored, self.has_pushed) = (false, false);
+    }
+
+    /// Says what counts as a row that repeats others in a substep of length `h` (s) whose joints have been listed, `None` where positions are
+    /// solved for; and that loads are shared.
+    pub(super) fn judge_rows(&mut self, topology: &Topology, h: Option<f64>) {
+        self.shares = h.is_some() && topology.loops > 1;
+        self.idle = 0.0;
+        if let Some(h) = h.filter(|_| self.shares) {
+            let most = greatest_load(&self.joints);
+            self.idle = if most > 0.0 { CONTRADICTION * h / most } else { 0.0 };
+        }
     }
 
     /// Takes the push of the last solve out of the rates.
@@ -118,18 +143,64 @@ impl BallJointSystem {
 
     /// Solves for the multipliers of all joints and adds their push to the rates.
     pub(super) fn solve(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
-        let Self { joints, responses, factor, counts, unknowns, increments, .. } = self;
+        let Self { joints, responses, factor, counts, unknowns, increments, idle, .. } = self;
         if !std::mem::replace(&mut self.is_factored, true) {
             counts.clear();
             counts.resize(joints.len(), POINT as u32);
             factor.start(&topology.plan, counts);
             responses.resize(joints.len(), [[ZERO; 3]; 2]);
-            assemble(factor, responses, joints, topology, bodies);
+            assemble(factor, responses, joints, (topology, *idle), bodies);
             super::factor::factorize(factor, &topology.plan);
         }
         joints.iter_mut().for_each(|joint| joint.impulse = DVec3::ZERO);
         refine(&mut Gaps { joints, bodies, rates }, factor, &topology.plan, [0; 2], unknowns, increments, &mut false);
+        if self.shares {
+            self.share_loads(topology, bodies, rates);
+        }
     }
+
+    /// Shares loads among joints that repeat one another, as real ones would.
+    fn share_loads(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
+        let Self { joints, factor, unknowns, increments, stresses, dropped, .. } = self;
+        dropped.clear();
+        for node in 0..joints.len() {
+            let root = block3(factor.block(topology.plan.diagonal(node)));
+            dropped.extend((0..POINT).filter(|&row| root[row][row] == 0.0).map(|row| (node, row)));
+        }
+        let most = greatest_load(joints);
+        if dropped.is_empty() || dropped.len() > MOST_SHARED || most == 0.0 {
+            return;
+        }
+        stresses.start(joints.iter().map(|joint| softness(joint, bodies)));
+        let mut gaps = Gaps { joints, bodies, rates };
+        for &(node, row) in &*dropped {
+            stresses.note(impulses_of(gaps.joints));
+            increments.fill(ZERO);
+            increments[node][row] = most;
+            gaps.add_impulses(factor, increments, 1.0);
+            gaps.find_residuals(factor, unknowns);
+            gaps.solve(factor, &topology.plan, unknowns);
+            gaps.add_impulses(factor, unknowns, 1.0);
+            stresses.add(impulses_of(gaps.joints));
+        }
+        stresses.relax(impulses_of(gaps.joints), increments);
+        gaps.add_impulses(factor, increments, 1.0);
+    }
+}
+
+fn impulses_of(joints: &[PointSolve]) -> impl Iterator<Item = DVec3> + Clone {
+    joints.iter().map(|joint| joint.impulse)
+}
+
+/// How soft the bodies of a joint are where it pulls at them, of one material: Σ r²/m.
+fn softness(joint: &PointSolve, bodies: &[DirectBody]) -> f64 {
+    let of = |side: usize| bodies[joint.bodies[side] as usize].inverse_mass.max_element() * joint.levers[side].length_squared();
+    of(0) + of(1)
+}
+
+/// Greatest component of a multiplier (N·s).
+fn greatest_load(joints: &[PointSolve]) -> f64 {
+    joints.iter().fold(0.0, |most, joint| most.max(joint.impulse.abs().max_element()))
 }
 
 /// The equations of the joints, at rates that change as they are solved.
@@ -151,7 +222,7 @@ impl Equations for Gaps<'_> {
     }
 
     fn find_added(&mut self, _: &BlockFactor, added: &mut [Lanes]) {
-        // Rows that repeat others have no multiplier here: see [`super::redundancy::Regularization::POINTS`].
+        // Rows that repeat others have no multiplier here: see [`BallJointSystem::judge_rows`].
         added.fill(ZERO);
     }
 
@@ -182,7 +253,13 @@ fn push(joint: &PointSolve, impulse: DVec3, bodies: &[DirectBody], rates: &mut [
 dispatched!(
     /// Forms J M̃⁻¹ Jᵀ, slightly regularised.
     assemble, assemble_body,
-    (factor: &mut BlockFactor, responses: &mut [[Response; 2]], joints: &[PointSolve], topology: &Topology, bodies: &[DirectBody])
+    (
+        factor: &mut BlockFactor,
+        responses: &mut [[Response; 2]],
+        joints: &[PointSolve],
+        rules: (&Topology, f64),
+        bodies: &[DirectBody]
+    )
 );
 
 #[inline(always)]
@@ -190,12 +267,12 @@ fn assemble_body(
     factor: &mut BlockFactor,
     responses: &mut [[Response; 2]],
     joints: &[PointSolve],
-    topology: &Topology,
+    (topology, idle): (&Topology, f64),
     bodies: &[DirectBody],
 ) {
+    let guard = &topology.regularizations[Redundancy::Points as usize];
     for (number, (joint, responses)) in joints.iter().zip(responses.iter_mut()).enumerate() {
         let mut sum = [ZERO; 3];
-        let guard = &topology.regularizations[Redundancy::Points as usize];
         for side in 0..2 {
             let (lever, body) = (joint.levers[side], &bodies[joint.bodies[side] as usize]);
             responses[side] = response(&body.inverse_inertia, lever);
@@ -205,7 +282,8 @@ fn assemble_body(
         for i in 0..3 {
             sum[i][i] += guard.added * sum[i][i];
         }
-        factor.least[number] = [sum[0][0], sum[1][1], sum[2][2], 0.0].map(|diagonal| guard.noise * diagonal);
+        let least = |diagonal: f64| idle.max(guard.noise * diagonal);
+        factor.least[number] = [sum[0][0], sum[1][1], sum[2][2], 0.0].map(least);
         *block3_mut(factor.block_mut(topology.plan.diagonal(number))) = sum;
     }
     for coupling in &topology.couplings {

@@ -69,6 +69,11 @@ impl Articulation {
             };
             joints.push(PointSolve { bodies, levers, bias, impulse });
         }
+        let h = match phase {
+            Phase::Velocity { h } | Phase::Tangent { h } => Some(h),
+            Phase::Leap { .. } | Phase::Position { .. } => None,
+        };
+        points.judge_rows(topology, h);
     }
 
     /// Worst component of any gap at the present poses (m), where one that is no number counts as the worst.

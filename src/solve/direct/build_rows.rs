@@ -20,6 +20,7 @@ use crate::solve::joint::kinds;
 use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::row_sink::RowSink;
 use crate::solve::joint::rows::{HeldDirections, Jacobian, Phase, Rate, RowRates};
+use crate::tuning::overruled::FLUNG;
 
 /// Where a joint is as its rows are built: at the start of the substep, as predicted for its end, and where gradients are taken if that
 /// is at neither.
@@ -76,6 +77,7 @@ impl Articulation {
     fn add_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
         self.is_under_way &= matches!(phase, Phase::Position { .. });
         self.system.clear();
+        self.system.base.most_turn = if let Phase::Position { .. } = phase { f64::INFINITY } else { FLUNG / phase.h() };
         let mut next_touch = 0;
         for number in 0..self.links.len() {
             if number < self.entries.len() {

@@ -75,6 +75,7 @@ mod rejection_cache;
 mod rotor;
 mod rotors;
 mod row;
+mod self_stress;
 mod servo_loops;
 mod soft_stops;
 mod speculative_contacts;

@@ -9,9 +9,9 @@
 //! contradict each other by is taken out once it is solved for ([`super::refine`]).
 
 /// Joints that hold points, in loops, from which on less is added to their diagonal, by the square of how many times as many they are: the
-/// share of a residual that a solve leaves to refinement goes with the square of the joints in a row. And where that ends, short of rounding.
+/// share of a residual that a solve leaves to refinement goes with the square of the joints in a row. And the least that is, short of rounding.
 const MANY: f64 = 2000.0;
-const MAX_OVER_MANY: f64 = 10.0;
+const LEAST_ADDED: f64 = 1.0e-14;
 
 /// What a row may repeat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,13 +45,18 @@ impl Regularization {
     /// Points held between the same two bodies (a door on two of them) leave pivots of 1e-12. Those of taut bridges are 1e-8 and more.
     const POINTS: Self = Self { added: 1.0e-12, noise: 1.0e-10 };
 
+    /// In several loops, which repeat each other as four ropes of one platform do, and where their loads say what else
+    /// counts as nothing ([`super::ball_joint_system`]). One loop repeats nothing but its own line where that is straight.
+    const PARALLEL_POINTS: Self = Self { added: 1.0e-13, noise: 1.0e-10 };
+
     /// Friction leaves to others what they hold as well: in a tree what it takes of that is a hundred-thousandth.
     const IDLY: Self = Self { added: 1.0e-8, noise: 1.0e-14 };
 
     /// By [`Redundancy`], where so many joints close so many loops.
     pub(super) fn all(joints: usize, loops: usize) -> [Self; 4] {
-        let many = (joints as f64 / MANY).clamp(1.0, MAX_OVER_MANY);
-        let points = Self { added: Self::POINTS.added / (many * many), ..Self::POINTS };
+        let many = (joints as f64 / MANY).max(1.0);
+        let points = if loops > 1 { Self::PARALLEL_POINTS } else { Self::POINTS };
+        let points = Self { added: (points.added / (many * many)).max(LEAST_ADDED), ..points };
         let [often, in_line, points] = if loops == 0 { [Self::TREE; 3] } else { [Self::OFTEN, Self::IN_LINE, points] };
         [often, in_line, points, Self::IDLY]
     }
@@ -63,14 +68,12 @@ mod tests {
 
     #[test]
     fn less_is_added_the_more_points_are_held() {
-        let added = |joints| Regularization::all(joints, 3)[Redundancy::Points as usize].added;
-        assert_eq!([added(3), added(2_000)], [1.0e-12; 2], "of few joints");
-        assert!((added(4_000) - 0.25e-12).abs() < 1.0e-18, "of twice as many {:e}", added(4_000));
-        assert!((added(200_000) - 1.0e-14).abs() < 1.0e-20, "of ever more {:e}", added(200_000));
-        assert_eq!(
-            Regularization::all(200_000, 0)[Redundancy::Points as usize].added,
-            Regularization::TREE.added,
-            "where no loop is closed"
-        );
+        let added = |joints, loops| Regularization::all(joints, loops)[Redundancy::Points as usize].added;
+        assert_eq!([added(3, 1), added(2_000, 1)], [1.0e-12; 2], "of few joints");
+        assert!((added(4_000, 1) - 0.25e-12).abs() < 1.0e-18, "of twice as many {:e}", added(4_000, 1));
+        assert!((added(200_000, 1) - 1.0e-14).abs() < 1.0e-20, "of ever more {:e}", added(200_000, 1));
+        assert!((added(200_000, 3) - 1.0e-14).abs() < 1.0e-20, "in several loops {:e}", added(200_000, 3));
+        assert_eq!(added(3, 3), 1.0e-13, "of few in several loops");
+        assert_eq!(added(200_000, 0), Regularization::TREE.added, "where no loop is closed");
     }
 }

@@ -46,6 +46,14 @@ const CONTACT_COMPLIANCE: f64 = 1.0e-6;
 /// Share of its bound from which on a carried multiplier starts as one that is at it.
 const AT_BOUND: f64 = 1.0 - 1.0e-6;
 
+/// Where a solve begins.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SolveStart {
+    pub rates: Vec<Rate>,
+    /// By how much a body may turn faster after it before motors yield (rad/s).
+    pub most_turn: f64,
+}
+
 /// All rows of an articulation, and room to solve them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct System {
@@ -62,7 +70,7 @@ pub(crate) struct System {
     counts: Vec<u32>,
     /// Unknowns and increments.
     room: [Vec<Lanes>; 2],
-    base: Vec<Rate>,
+    pub(super) base: SolveStart,
     /// Whether the push of the multipliers is in the rates.
     pub(super) has_pushed: bool,
     /// Whether any row has bounds or takes no part, and those that have bounds, with their nodes.
@@ -322,13 +330,17 @@ impl System {
             self.solve_active(topology, bodies, rates);
             return 1;
         }
-        self.base.clear();
-        self.base.extend_from_slice(rates);
+        self.base.rates.clear();
+        self.base.rates.extend_from_slice(rates);
         let (mut fewest, mut patience, mut wrong) = (usize::MAX, PATIENCE, 0);
         for pass in 1..=most_passes {
-            rates.copy_from_slice(&self.base);
+            rates.copy_from_slice(&self.base.rates);
             self.push_fixed(bodies, rates);
             self.solve_active(topology, bodies, rates);
+            // In a tree there is no dead centre.
+            if topology.loops > 0 && self.ease_motors(rates) {
+                continue;
+            }
             let may_free = pass + (most_passes / 3).min(MAX_CLOSING) < most_passes;
             wrong = self.find_flips(rates, may_free);
             if wrong < fewest {

@@ -212,11 +212,15 @@ impl Problem {
         }
     }
 
+    /// Whether anything that moves by itself, or a motor, takes part in the impact.
+    pub(super) fn is_driven(&self) -> bool {
+        self.links.iter().any(|link| link.bias != [0.0; 6]) || self.terms.iter().any(|term| term.bias[0] != 0.0)
+    }
+
     /// Largest share up to one of what is given back at which there is no more kinetic energy than before, unless something that moves by
     /// itself takes part.
     fn share_within_energy(&mut self) -> f64 {
-        let is_moved = self.links.iter().any(|link| link.bias != [0.0; 6]) || self.terms.iter().any(|term| term.bias[0] != 0.0);
-        if is_moved {
+        if self.is_driven() {
             return 1.0;
         }
         let bodies = self.masses.len();

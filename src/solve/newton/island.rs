@@ -197,7 +197,11 @@ impl CoupledIsland {
             let budget = budget.get_or_insert_with(|| self.budget(settings));
             let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
             let most = budget.saturating_sub(kept_back).clamp(1, MAX_FACTORS);
+            self.problem.note_carried();
             let effort = self.solve(h, most);
+            if self.is_looped && !effort.is_capped {
+                self.problem.drop_contradictions();
+            }
             *budget = budget.saturating_sub(effort.factors);
             self.outcome.effort.add(effort);
             self.outcome.driven += self.drive_work();
@@ -229,7 +233,7 @@ impl CoupledIsland {
     }
 
     /// Kinetic energy less the work of forces since the start of the step (J).
-    fn energy(&self) -> f64 {
+    pub(super) fn energy(&self) -> f64 {
         let bodies = self.bodies.iter().zip(&self.rates).zip(self.local_poses.iter().zip(&self.began));
         bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
     }
@@ -404,7 +408,7 @@ impl CoupledIsland {
 
     /// Solves the substep; once more where what it has found makes bodies much stiffer or softer.
     fn solve(&mut self, h: f64, budget: u32) -> Effort {
-        let mut effort = self.problem.solve_or_yield(budget);
+        let mut effort = self.problem.solve_or_yield(h, budget);
         self.traces.clear();
         self.traces.extend(self.problem.masses.iter().map(BodyMass::trace));
         self.problem.note_impulses();

@@ -1,10 +1,10 @@
 //! Motors without a greatest force that meet what has none either: they give way.
 
 use super::passes::{Effort, copy};
-use super::problem::{PROXIMITY, Problem, rate, speed};
+use super::problem::{JointBlock, PROXIMITY, Problem, rate, speed};
 use super::term::{Law, Term};
 use crate::solve::joint::rows::MAX_RECOVERY_SPEED;
-use crate::tuning::overruled::GIVE;
+use crate::tuning::overruled::{FLUNG, GIVE, OVERRULED_COMPLIANCE, STRAINED};
 
 /// Share of what they ask for, and speed beside it (m/s, rad/s), by which rows that hold may miss: of contradictions they miss as much as is
 /// asked for, of what a solve leaves else a thousandth (`SETTLED`).
@@ -19,31 +19,57 @@ fn modest(asked: f64, has: f64) -> f64 {
 
 impl Problem {
     /// Solves as [`solve`](Self::solve); where that leaves rows which contradict motors without a bound, once more with those yielding.
-    pub(super) fn solve_or_yield(&mut self, budget: u32) -> Effort {
+    pub(super) fn solve_or_yield(&mut self, h: f64, budget: u32) -> Effort {
         let Some(asked) = self.asked_without_bound() else { return self.solve(budget) };
         copy(&self.terms, &mut self.room.first_terms);
         Self::save_impulses(&self.links, &mut self.room.first_impulses);
         let mut effort = self.solve(budget);
-        if self.missed() <= MISSED[0] * asked.min(MAX_RECOVERY_SPEED) + MISSED[1] {
+        let is_flung = self.flings(h);
+        if !is_flung && self.missed() <= MISSED[0] * asked.min(MAX_RECOVERY_SPEED) + MISSED[1] {
             return effort;
         }
+        let give = if is_flung { OVERRULED_COMPLIANCE } else { GIVE };
         copy(&self.room.first_terms, &mut self.terms);
         Self::restore_impulses(&mut self.links, &self.room.first_impulses);
         let Self { links, terms, before, .. } = self;
         for link in links {
             for row in (0..link.rows).filter(|row| link.boundless & 1 << row != 0) {
                 let has = rate(link.bodies, [&link.jacobian[0][row], &link.jacobian[1][row]], before);
-                link.bias[row] = modest(link.bias[row], has);
-                link.give[row] = GIVE / PROXIMITY * link.proximity[row];
+                if !is_flung {
+                    link.bias[row] = modest(link.bias[row], has);
+                }
+                link.give[row] = give / PROXIMITY * link.proximity[row];
             }
         }
         for term in terms.iter_mut().filter(|term| term.is_boundless()) {
-            term.bias[0] = modest(term.bias[0], speed(term, before)[0]);
-            term.give = GIVE * term.ease;
+            if !is_flung {
+                term.bias[0] = modest(term.bias[0], speed(term, before)[0]);
+            }
+            term.give = give * term.ease;
         }
         effort.is_capped = false;
         effort.add(self.solve(budget));
         effort
+    }
+
+    /// Whether a body turns by more in a substep of length `h` (s) than that resolves, as motors near a dead centre would have it: such as
+    /// would miss what they ask for if they yielded.
+    fn flings(&self, h: f64) -> bool {
+        let turns =
+            self.velocity.iter().zip(&self.free).map(|(now, free)| (3..6).map(|i| (now[i] - free[i]).powi(2)).sum::<f64>());
+        if turns.fold(0.0, f64::max) * h * h <= FLUNG * FLUNG {
+            return false;
+        }
+        // What holds something where it is flings nothing.
+        let strains = |impulse: f64, ease: f64, asked: f64| {
+            asked.abs() > MISSED[1] && OVERRULED_COMPLIANCE * ease * impulse.abs() > STRAINED * asked.abs()
+        };
+        let is_strained = |link: &JointBlock| {
+            let rows = (0..link.rows).filter(|row| link.boundless & 1 << row != 0);
+            rows.into_iter().any(|row| strains(link.impulse[row], link.proximity[row] / PROXIMITY, link.bias[row]))
+        };
+        let mut terms = self.terms.iter().filter(|term| term.is_boundless());
+        self.links.iter().any(is_strained) || terms.any(|term| strains(term.impulse[0], term.ease, term.bias[0]))
     }
 
     /// Whether any motor has no bound.

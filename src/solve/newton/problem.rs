@@ -92,6 +92,7 @@ pub(super) struct Room {
     pub(super) warm_impulses: Vec<Vector>,
     pub(super) first_terms: Vec<Term>,
     pub(super) first_impulses: Vec<Vector>,
+    pub(super) carried: Vec<Vector>,
     pub(super) targets: Vec<[f64; 2]>,
     pub(super) asked: Vec<Vector>,
     pub(super) residual: Vec<Vector>,

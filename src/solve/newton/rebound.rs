@@ -13,8 +13,12 @@ impl CoupledIsland {
     /// Lets what hits rebound, and forms the problem of the substep anew with what that leaves of the velocities.
     pub(super) fn rebound(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings, h: f64, left: [f64; 2]) {
         for _ in 0..MAX_BLOWS {
+            let before = self.energy();
             if !self.is_hit(f64::from(settings.restitution_threshold)) {
                 break;
+            }
+            if self.problem.is_driven() {
+                self.outcome.driven += (self.energy() - before).max(0.0);
             }
             self.build(joints, h, left);
         }

@@ -12,16 +12,26 @@
 //! is how much of what presses would be there again at once if a share x of it went. What bears a load is, what only presses back is not.
 //! Bodies yield by d meanwhile, and what M d asks for in turn is found in the same way: a heavy load is told exactly then.
 //!
-//! Contacts alone: the tension of ropes and struts that hold one another is what a tower of them stands by.
+//! Contacts alone: the tension of ropes and struts that hold one another is what a tower of them stands by. What of it comes from rows that
+//! contradict each other by nanometres is no tension.
 
 use super::factor::Vector;
-use super::problem::{Problem, push_term, speed};
+use super::problem::{JointBlock, Problem, push_term, speed};
 use super::term::{Law, Term};
-use crate::tuning::stress::{LEAST_PART, TIME_CONSTANT};
+use crate::tuning::stress::{LEAST_PART, TIME_CONSTANT, TOLERATED};
 
 /// Solves for what a change asks for in turn. A contact under load yields by up to 1e-3 m/s, a tenth of what gravity adds in a substep of 1 ms:
 /// after three a thousandth of a change is left.
 const ROUNDS: usize = 3;
+
+/// ε times a multiplier: by how much rows contradict each other if it does nothing else (m/s, rad/s).
+fn weighted(link: &JointBlock, multiplier: Vector) -> Vector {
+    std::array::from_fn(|row| if row < link.rows { link.proximity[row] * multiplier[row] } else { 0.0 })
+}
+
+/// Times that what no body feels is filtered out of multipliers: a taut line has an eigenvalue of A of 0.2 ε and more, of which half and less is
+/// left then.
+const FILTERS: usize = 4;
 
 impl Term {
     /// Whether it is the normal of a contact that presses.
@@ -57,6 +67,55 @@ impl Problem {
             }
         }
         (self.room.targets, self.room.residual) = (changes, pulls);
+    }
+
+    /// Notes what joints bear before a solve.
+    pub(crate) fn note_carried(&mut self) {
+        Self::save_impulses(&self.links, &mut self.room.carried);
+    }
+
+    /// Takes out of what the joints of a loop have come to bear in a solve what no body feels, where they contradict each other by next to
+    /// nothing: rows that repeat others fight over nanometres, by ever more from one substep to the next. It is less than a hundredth of the
+    /// greatest load where a taut line comes to bear. Of λ − λ̄ it is
+    /// ((A + ε)⁻¹ ε)⁴ (λ − λ̄), A = J M̂⁻¹ Jᵀ.
+    pub(crate) fn drop_contradictions(&mut self) {
+        if self.is_stale {
+            self.factorize();
+        }
+        let bodies = self.masses.len();
+        let Self { unknowns, links, structure, factor, room, .. } = self;
+        unknowns.clear();
+        unknowns.resize(bodies, [0.0; 6]);
+        unknowns.extend(
+            links
+                .iter()
+                .zip(&room.carried)
+                .map(|(link, carried)| weighted(link, std::array::from_fn(|row| link.impulse[row] - carried[row]))),
+        );
+        for round in 1..=FILTERS {
+            factor.solve(structure, unknowns);
+            // The matrix has −ε where A + ε is meant, and gives −δλ.
+            unknowns[bodies..].iter_mut().flatten().for_each(|found| *found = -*found);
+            if round < FILTERS {
+                unknowns[..bodies].fill([0.0; 6]);
+                links.iter().zip(&mut unknowns[bodies..]).for_each(|(link, found)| *found = weighted(link, *found));
+            }
+        }
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, value| most.max(value.abs()));
+        let strain = most(&mut links.iter().zip(&unknowns[bodies..]).flat_map(|(link, found)| weighted(link, *found)));
+        let excess = most(&mut unknowns[bodies..].iter().flatten().copied());
+        let load = most(
+            &mut links
+                .iter()
+                .zip(&unknowns[bodies..])
+                .flat_map(|(link, found)| (0..link.rows).map(|row| link.impulse[row] - found[row])),
+        );
+        if strain > TOLERATED || excess <= LEAST_PART * load {
+            return;
+        }
+        for (link, found) in links.iter_mut().zip(&unknowns[bodies..]) {
+            link.impulse.iter_mut().zip(found).for_each(|(impulse, excess)| *impulse -= excess);
+        }
     }
 
     /// Finds by how much the impulses of terms and of joints change as a share of what presses goes; whether a contact loses more than
