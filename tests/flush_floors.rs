@@ -184,7 +184,7 @@ fn what_slides_stops_where_friction_stops_it() {
             let [gone, aside] = run.way(start, along);
             let (off, aside) = (gone / f64::from(expected) - 1.0, aside / gone);
             let what = format!("a {name} of {size} m on {floor} at {rate}/s");
-            assert!(off.abs() < 7.0e-3, "{what}: stops {off} of its way off, bound 7e-3");
+            assert!(off.abs() < 7.5e-3, "{what}: stops {off} of its way off, bound 7.5e-3");
             assert!(aside < 2.0e-3, "{what}: goes {aside} of its way aside, bound 2e-3");
         }
     }

@@ -56,12 +56,20 @@ pub(crate) struct Follow<'a> {
     pub is_jointed: bool,
     /// Whether the host moves the body.
     pub is_driven: bool,
+    /// Whether contacts can move the body once it is awake.
+    pub is_free: bool,
 }
 
 impl<'a> Follow<'a> {
     pub(crate) fn of(collider: &'a Collider, body: &Body) -> Self {
         let is_driven = body.is_mover() && !body.is_free();
-        Self { shape: &collider.shape, angular: body.angular_velocity, is_jointed: !body.joints.is_empty(), is_driven }
+        Self {
+            shape: &collider.shape,
+            angular: body.angular_velocity,
+            is_jointed: !body.joints.is_empty(),
+            is_driven,
+            is_free: body.is_free(),
+        }
     }
 }
 

@@ -122,9 +122,11 @@ const NOT_MADE: f32 = -1.0;
 /// Relative motion below which manifolds are kept, as translation over the smaller shape's least extent, and as rotation (rad).
 ///
 /// Separations are those of the kept points exactly. What is wrong with them after a turn θ is where on the surfaces they should
-/// be, and the normal by up to θ. Over a round surface or along an edge both matter at once. Between faces the points are corners:
-/// where these lie over a face is wrong by θ times the gap, and how far off it by θ² of the extent, here four millionths.
+/// be, and the normal by up to θ. Over a round surface or along an edge both matter at once. What is round itself is pushed on by what presses
+/// behind its middle, and comes to roll by itself at θ a step. Between faces the points are corners: where these lie over a face is wrong by
+/// θ times the gap, and how far off it by θ² of the extent, here four millionths.
 const REUSE: f32 = 5.0e-4;
+const REUSE_OF_ROUND: f32 = 1.0e-5;
 const REUSE_OF_FACES: f32 = 2.0e-3;
 
 /// Points from which on a manifold is one of faces.
@@ -168,7 +170,7 @@ impl Pair {
         let still = a.contact_margin(b);
         let relative = relative((a.position, a.rotation), (b.position, b.rotation));
         let extent = a.least_extent.min(b.least_extent);
-        let keeps = self.still_good(&relative, still + motion, extent);
+        let keeps = still + motion <= self.margin && self.is_near(&relative, extent, a.is_round || b.is_round);
         put(&mut self.updated, !keeps);
         if !keeps {
             self.version = self.version.wrapping_add(1);
@@ -258,13 +260,8 @@ impl Pair {
         self.active
     }
 
-    /// Whether the relative pose is close enough to the one the manifolds were made for, and the margin no larger.
-    fn still_good(&self, relative: &Pose3, margin: f32, extent: f32) -> bool {
-        margin <= self.margin && self.is_near(relative, extent)
-    }
-
-    /// Whether the pose that the manifolds were made for is near enough to this one for them to be kept.
-    pub(crate) fn is_near(&self, relative: &Pose3, extent: f32) -> bool {
+    /// Whether the pose that the manifolds were made for is near enough to this one for them to be kept; whether either shape `is_round`.
+    pub(crate) fn is_near(&self, relative: &Pose3, extent: f32, is_round: bool) -> bool {
         if self.margin == NOT_MADE {
             return false;
         }
@@ -273,7 +270,11 @@ impl Pair {
         let (p, q) = (relative.rotation, pose.rotation);
         let turn = (Quat::from_xyzw(p.x, p.y, p.z, p.w) - Quat::from_xyzw(q.x, q.y, q.z, q.w)).length() * 2.0;
         let between_faces = self.manifolds.iter().all(|manifold| manifold.points.len() >= FACE_POINTS);
-        let reuse = if between_faces && !self.manifolds.is_empty() { REUSE_OF_FACES } else { REUSE };
+        let reuse = match (is_round, between_faces && !self.manifolds.is_empty()) {
+            (_, true) => REUSE_OF_FACES,
+            (true, false) => REUSE_OF_ROUND,
+            (false, false) => REUSE,
+        };
         shift <= extent * reuse && turn <= reuse
     }
 

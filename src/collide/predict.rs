@@ -34,6 +34,9 @@ use crate::shape::{Geometry, Shape};
 /// Way ahead below which the pose at the step's start is as good, over the lesser least extent of the two: less than manifolds are kept for.
 const NO_MOTION: f32 = 5.0e-4;
 
+/// The same of what presses and is round: what is pushed where it has been rolls on by itself as fast as this.
+const NO_ROLL: f32 = 1.0e-5;
+
 /// Cosine between two normals of flat faces below which they are not those of one face.
 const ANOTHER_NORMAL: f32 = 0.9;
 
@@ -153,7 +156,9 @@ pub(super) fn collide(
     let shapes = [of_a.shape, of_b.shape];
     let is_jointed = of_a.is_jointed || of_b.is_jointed;
     let is_round = a.is_round || b.is_round;
-    found.scratch.turns = [of_a, of_b].map(|of| of.angular.length() * step.dt);
+    // What cannot be pushed does not tip over on what is round, which touches it at one point then.
+    let turn = |of: &Follow, other: &Follow| if other.is_free { of.angular.length() * step.dt } else { f32::INFINITY };
+    found.scratch.turns = [turn(of_a, of_b), turn(of_b, of_a)];
     if is_jointed || !is_round || !reach.is_pressed {
         found.collide(shapes, start, reach.margin);
         let nearest = found.nearest();
@@ -197,7 +202,7 @@ impl PairApproach<'_> {
         let n = self.step.substeps as f32;
         let ahead = if is_pressed { 0.5 * (n - 1.0) / n } else { 1.0 };
         // Written so that what has no extent or no end is taken as it is.
-        let moves = ahead * path > NO_MOTION * extent;
+        let moves = ahead * path > extent * if is_pressed { NO_ROLL } else { NO_MOTION };
         if !moves {
             if is_pressed {
                 found.collide(shapes, start, margin);

@@ -177,6 +177,8 @@ struct Now {
     coarse: Pose3,
     unit: f32,
     least_extent: f32,
+    /// Whether either shape is round.
+    is_round: bool,
 }
 
 impl Now {
@@ -185,7 +187,8 @@ impl Now {
         let (a, b) = (colliders.get(a)?, colliders.get(b)?);
         let least_extent = a.least_extent.min(b.least_extent);
         let (exact, unit) = (a.relative(b), pose_unit(least_extent));
-        Some(Self { exact, coarse: coarse(&exact, unit), unit, least_extent })
+        let is_round = a.shape.is_round() || b.shape.is_round();
+        Some(Self { exact, coarse: coarse(&exact, unit), unit, least_extent, is_round })
     }
 }
 
@@ -260,7 +263,7 @@ fn row_of(
     let info = flag(*may_touch, MAY_TOUCH) | flag(*in_contact, IN_CONTACT) | (manifolds.len() as u32 * MANIFOLDS);
     let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: blow.approach, blow: blow.impulse };
     let mut far = None;
-    let now = Now::of(*key, colliders).filter(|now| moves_first || pair.is_near(&now.exact, now.least_extent));
+    let now = Now::of(*key, colliders).filter(|now| moves_first || pair.is_near(&now.exact, now.least_extent, now.is_round));
     if let (Some((pose, margin)), Some(now)) = (pair.made_for(), now) {
         row.info |= HAS_POSE;
         row.margin = margin.to_bits() >> MARGIN_SHIFT;

@@ -12,8 +12,8 @@ use crate::tuning::needles::NEEDLE;
 /// body is formed anew (rad). A needle's response along its axis leaks across it as it turns; left alone it gains energy.
 const INERTIA_REFRESH: f32 = 1.0e-2;
 
-/// Rotation of one substep below which the gyroscopic term is left out (rad): it would change ω by less than its square.
-pub(crate) const NEGLIGIBLE_TUMBLE: f32 = 1.0e-4;
+/// Rotation of one substep below which the gyroscopic term is left out (rad): it would change ω by less than rounding.
+pub(crate) const NEGLIGIBLE_TUMBLE: f32 = 1.0e-7;
 
 /// Rotation of one substep above which a prediction takes two halves, and above which a body that tumbles is left to [`rotation`] (rad).
 /// One half is off by the cube of it over 24: here by 5e-6 rad.

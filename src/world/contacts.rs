@@ -187,7 +187,8 @@ impl World {
         let [place_a, place_b] = [shape_a, shape_b].map(|shape| shape.world_pose(&self.bodies[shape.body]));
         let relative = collider::relative(place_a, place_b);
         let mut manifolds = Vec::new();
-        if !pair.is_near(&relative, shape_a.least_extent.min(shape_b.least_extent)) {
+        let is_round = shape_a.shape.is_round() || shape_b.shape.is_round();
+        if !pair.is_near(&relative, shape_a.least_extent.min(shape_b.least_extent), is_round) {
             let scratch = &mut NarrowScratch::default();
             narrow::collide(&shape_a.shape, &shape_b.shape, relative, margin, scratch, &mut manifolds);
         }

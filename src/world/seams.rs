@@ -175,7 +175,7 @@ impl Ground<'_> {
         for (number, manifold) in pair.manifolds.iter().enumerate() {
             let part = narrow::parts_of(&colliders[b].shape, manifold.part)[usize::from(!glide.is_second)];
             let normal_of = |normal: Vec3| turn_a * normal * sign;
-            let is_face = self.is_face(shape, part, normal_of(manifold.normal));
+            let is_face = self.is_face((mover, shape), part, normal_of(manifold.normal));
             let of = |normal: Vec3, point: usize, at: Vec3, separation: f32| GlidePoint {
                 slot: glide.slot,
                 number,
@@ -201,7 +201,7 @@ impl Ground<'_> {
             let edge = narrow::nearest_edge(&shape_a.shape, &shape_b.shape, manifold.part, &relative, manifold.normal, corners);
             if let Some(edge) = edge {
                 let found = of(edge.normal, 0, on_still(edge.on_a, edge.on_b), points[first].separation);
-                points[first] = GlidePoint { is_face: self.is_face(shape, part, found.normal), ..found };
+                points[first] = GlidePoint { is_face: self.is_face((mover, shape), part, found.normal), ..found };
             }
         }
     }
@@ -310,10 +310,11 @@ impl Ground<'_> {
         body.linear_velocity + body.angular_velocity.cross((at - body.center).as_vec3())
     }
 
-    /// Whether a direction (in world axes) is that of a face of a part.
-    fn is_face(&self, shape: u32, part: u32, normal: Vec3) -> bool {
+    /// Whether a direction (in world axes) in which a mover touches a shape is that of a face of a part.
+    fn is_face(&self, (mover, shape): (u32, u32), part: u32, normal: Vec3) -> bool {
         let normal = self.index.collider_state(shape).rotation.conjugate() * normal;
-        narrow::is_face_normal(&self.colliders[shape].shape, part, normal)
+        let is_exact = matches!(self.colliders[mover].shape.geometry(), Geometry::Ball { .. } | Geometry::Capsule { .. });
+        narrow::is_face_normal(&self.colliders[shape].shape, part, normal, is_exact)
     }
 
     /// From a shape to a place (m); zero inside.

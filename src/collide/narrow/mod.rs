@@ -117,7 +117,7 @@ impl Manifold {
 pub(crate) struct NarrowScratch {
     /// Normal of the pair's one contact in the last step, in A's frame: an argument of the call to come.
     pub last: Option<Vec3>,
-    /// How far each body may turn in the step (rad): an argument of the call to come.
+    /// How far each body may turn in the step (rad), infinite where the other cannot be pushed: an argument of the call to come.
     pub turns: [f32; 2],
     polygons: convex::Buffers,
     triangle: triangle::TriangleBuffer,
@@ -159,6 +159,9 @@ pub(crate) fn parts_of(b: &Shape, part: u32) -> [u32; 2] {
 /// Angle between directions that count as one (rad): more than manifolds are turned by rounding and by resting overlaps.
 const SAME_DIRECTION: f32 = 5.0e-3;
 
+/// The same of balls and capsules, whose normals are exact: at an edge that they have just left they are pushed on by the sine of this.
+const SAME_EXACT_DIRECTION: f32 = 5.0e-4;
+
 /// The outward normal of the face of a part of a shape that is most along a direction (unit), both in the frame of the shape; none if it has none.
 pub(crate) fn face_normal(shape: &Shape, part: u32, direction: Vec3) -> Option<Vec3> {
     let (part, place) = composite::part_at(shape, part)?;
@@ -169,10 +172,11 @@ pub(crate) fn face_normal(shape: &Shape, part: u32, direction: Vec3) -> Option<V
     face.map(|normal| place.rotation * normal)
 }
 
-/// Whether a direction in the frame of a shape (unit) is the outward normal of a face of one of its parts.
-pub(crate) fn is_face_normal(shape: &Shape, part: u32, direction: Vec3) -> bool {
+/// Whether a direction in the frame of a shape (unit), which is `is_exact` or not, is the outward normal of a face of one of its parts.
+pub(crate) fn is_face_normal(shape: &Shape, part: u32, direction: Vec3, is_exact: bool) -> bool {
     let face = face_normal(shape, part, direction);
-    face.is_some_and(|normal| (normal - direction).length_squared() < SAME_DIRECTION * SAME_DIRECTION)
+    let same = if is_exact { SAME_EXACT_DIRECTION } else { SAME_DIRECTION };
+    face.is_some_and(|normal| (normal - direction).length_squared() < same * same)
 }
 
 /// Distance from a shape to a point in its frame (m); zero inside.
