@@ -1,5 +1,7 @@
 //! Which rows with bounds are part of the system: stops and motors one by one, friction by its cone.
 
+use glam::DVec3;
+
 use super::body::DirectBody;
 use super::friction_cone::{FREE_BELOW, revise_cone};
 use super::row::{Origin, Row, RowState};
@@ -99,11 +101,11 @@ impl System {
     }
 
     /// Lets motors without a bound yield that fling a body round by more than a substep resolves, as near a dead centre, where no force would do what they ask
-    /// for: those that would miss it if they yielded. Returns whether any does that did not before.
-    pub(super) fn ease_motors(&mut self, rates: &[Rate]) -> bool {
+    /// for: those that would miss it if they yielded. What turns a body in a tree has none. Returns whether any yields that did not before.
+    pub(super) fn ease_motors(&mut self, rates: &[Rate], has_loops: bool) -> bool {
         let Self { rows, bounded, base, .. } = self;
-        let pairs = rates.iter().zip(&base.rates);
-        if !pairs.clone().any(|(now, before)| now.angular.distance_squared(before.angular) > base.most_turn * base.most_turn) {
+        let mut pairs = rates.iter().zip(&base.rates);
+        if !pairs.any(|(now, before)| now.angular.distance_squared(before.angular) > base.most_turn * base.most_turn) {
             return false;
         }
         let mut is_eased = false;
@@ -112,7 +114,8 @@ impl System {
             // What holds something where it is flings nothing.
             let is_strained = row.bias.abs() > MET[1] && row.give * row.impulse.abs() > STRAINED * row.bias.abs();
             let is_bounded = row.min.is_finite() || row.max.is_finite();
-            if row.drives && !is_bounded && row.state == RowState::Free && row.gamma == 0.0 && is_strained {
+            let may_be_dead = has_loops || row.linear != [DVec3::ZERO; 2];
+            if may_be_dead && row.drives && !is_bounded && row.state == RowState::Free && row.gamma == 0.0 && is_strained {
                 row.gamma = row.give;
                 is_eased = true;
             }

@@ -337,8 +337,7 @@ impl System {
             rates.copy_from_slice(&self.base.rates);
             self.push_fixed(bodies, rates);
             self.solve_active(topology, bodies, rates);
-            // In a tree there is no dead centre.
-            if topology.loops > 0 && self.ease_motors(rates) {
+            if self.ease_motors(rates, topology.loops > 0) {
                 continue;
             }
             let may_free = pass + (most_passes / 3).min(MAX_CLOSING) < most_passes;

@@ -65,8 +65,8 @@ impl Problem {
             asked.abs() > MISSED[1] && OVERRULED_COMPLIANCE * ease * impulse.abs() > STRAINED * asked.abs()
         };
         let is_strained = |link: &JointBlock| {
-            let rows = (0..link.rows).filter(|row| link.boundless & 1 << row != 0);
-            rows.into_iter().any(|row| strains(link.impulse[row], link.proximity[row] / PROXIMITY, link.bias[row]))
+            let mut rows = (0..link.rows).filter(|row| link.boundless & 1 << row != 0);
+            rows.any(|row| strains(link.impulse[row], link.proximity[row] / PROXIMITY, link.bias[row]))
         };
         let mut terms = self.terms.iter().filter(|term| term.is_boundless());
         self.links.iter().any(is_strained) || terms.any(|term| strains(term.impulse[0], term.ease, term.bias[0]))
