@@ -17,9 +17,8 @@ pub(crate) const OVERRULED_COMPLIANCE: f64 = 1.0e-3;
 /// Scenes: cranks at dead centre, chains let down on what stands, at 30 to 240 Hz.
 /// Test: tests/dead_centres.rs
 pub(crate) const FLUNG: f64 = 0.1;
-/// Share of the speed asked for that such a motor misses at least if it yields: others, as a servo that steers at once, or a motor that winds up
-/// a chain which whirls, go on.
-/// Why: a motor's own rotor costs it a thousandth, a hub with its wheel some hundredths; at a dead centre nothing is left.
-/// Scenes: as above, cars that are steered, chains that a driven box winds up.
+/// Share of the speed asked for that such a motor misses at least if it yields: others, as one that winds up a chain which whirls, go on.
+/// Why: a motor's own rotor costs it a thousandth; at a dead centre nothing is left.
+/// Scenes: as above, chains that a driven box winds up.
 /// Test: tests/dead_centres.rs
 pub(crate) const STRAINED: f64 = 0.5;
