@@ -16,6 +16,7 @@ pub(crate) mod cache;
 pub(crate) mod collider;
 pub(crate) mod collider_state;
 pub(crate) mod curvature;
+mod motion_ahead;
 pub(crate) mod narrow;
 pub(crate) mod pairs;
 pub(crate) mod persistent_manifold;

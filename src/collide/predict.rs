@@ -25,11 +25,11 @@ use glam::{Quat, Vec3};
 use parry3d::math::Pose3;
 
 use super::collider_state::{ColliderState, Follow};
+use super::motion_ahead::{applied, turned};
 use super::narrow::{self, Manifold, NarrowScratch};
 use super::persistent_manifold::Manifolds;
 use super::round_features::swung;
-use crate::linalg::rotation32::rotated_far;
-use crate::shape::{Geometry, Shape};
+use crate::shape::Shape;
 
 /// Way ahead below which the pose at the step's start is as good, over the lesser least extent of the two: less than manifolds are kept for.
 const NO_MOTION: f32 = 5.0e-4;
@@ -44,9 +44,6 @@ const ANOTHER_NORMAL: f32 = 0.9;
 /// overlap at which bodies rest, and a step that nobody sees.
 pub(crate) const FLUSH: f32 = 2.0e-3;
 
-/// Square of half a turn (rad²) below which sine and cosine are the first terms of their series, right to rounding.
-const SMALL_TURN: f32 = 1.0e-4;
-
 /// Stride at which a pair that may meet is looked at, over the lesser least extent: whatever overlaps does so for at least two strides,
 /// and the axis of least overlap is still that of the surface that was met.
 const STRIDE: f32 = 0.25;
@@ -57,6 +54,11 @@ const FEW_STRIDES: f32 = 2.0;
 /// Least way walked on at once, and so the deepest overlap that a pair is stopped in, over the lesser least extent.
 const MIN_STRIDE: f32 = 0.05;
 
+/// Overlap at which two round shapes are taken to touch first, over the lesser least extent, and looks for that: two balls that hit each other half way
+/// off centre are pushed along a line 0.1 degrees beside that of their centres then.
+const TOUCH: f32 = 1.0e-3;
+const MAX_TOUCH_LOOKS: u32 = 4;
+
 /// Looks at a pair in a step after which it is taken as it is.
 const MAX_LOOKS: u32 = 64;
 
@@ -66,9 +68,6 @@ const PRESSED_STRIDE: f32 = 0.05;
 /// How far the surface that a loaded pair will press may lie beside the one that it presses now, over the lesser least extent. Where a body
 /// goes over a ball or an edge, that is how deep it can sink in: without a bound 8 mm on a ball of 0.5 m at 10 m/s.
 const SAGITTA: f32 = 2.0e-3;
-
-/// Turn of a body that is followed (rad): about as far as four substeps turn anything.
-const MAX_TURN: f32 = 6.0;
 
 /// Two shapes in a step.
 struct PairApproach<'a> {
@@ -216,8 +215,10 @@ impl PairApproach<'_> {
             let (share, turns) = self.look_ahead(shapes, start, (ahead, extent / path), margin, found);
             put_back(found, share, turns);
         } else if self.a.is_round || self.b.is_round {
-            let began_apart = found.nearest() > 0.0;
+            let began = found.nearest();
+            let began_apart = began > 0.0;
             let (share, turns) = self.follow(shapes, extent, (path, 1.0), margin, found);
+            let (share, turns) = self.first_touch(shapes, (began, extent), (share, turns), margin, found);
             found.manifolds.retain_mut(|manifold| {
                 let is_apart = nearest_of(manifold) >= 0.0;
                 self.put_back(manifold, share * self.step.dt, turns);
@@ -371,6 +372,42 @@ impl PairApproach<'_> {
         (gone, self.look(shapes, gone, margin, found))
     }
 
+    /// Share of the step after which two that are `began` apart at its start (m) and overlap after this share touch first, and how both are turned then:
+    /// round shapes that hit each other off centre turn the normal on their way into each other.
+    fn first_touch(
+        &self,
+        shapes: [&Shape; 2],
+        (began, extent): (f32, f32),
+        (share, turns): (f32, [Quat; 2]),
+        margin: f32,
+        found: &mut FoundContacts,
+    ) -> (f32, [Quat; 2]) {
+        let (mut apart, mut met, mut is_met) = ((0.0, began), (share, found.nearest(), turns), true);
+        if (-TOUCH * extent..=0.0).contains(&began) {
+            return (0.0, self.look(shapes, 0.0, margin, found));
+        }
+        if !(0.0..f32::INFINITY).contains(&began) {
+            return (share, turns);
+        }
+        for _ in 0..MAX_TOUCH_LOOKS {
+            if met.1 >= -TOUCH * extent {
+                break;
+            }
+            let share = apart.0 + (met.0 - apart.0) * apart.1 / (apart.1 - met.1);
+            let turns = self.look(shapes, share, margin, found);
+            let nearest = found.nearest();
+            is_met = nearest < 0.0;
+            match is_met {
+                true => met = (share, nearest, turns),
+                false => apart = (share, nearest),
+            }
+        }
+        if !is_met {
+            self.look(shapes, met.0, margin, found);
+        }
+        (met.0, met.2)
+    }
+
     /// Share of the step for which points of a manifold found after a share of it stay apart.
     fn clear_for(&self, manifold: &Manifold, gone: f32) -> f32 {
         let normal = self.a.rotation * applied(turned(self.spins[0], gone * self.step.dt), manifold.normal);
@@ -407,71 +444,29 @@ impl PairApproach<'_> {
         }
     }
 
-    /// Puts the points on a side that the host turns where the contact is at the start: rows of friction take them for that, see
-    /// `contact_kernels/warm_start.rs`. What lies on it at several points goes with its own points there, else as if it did not roll.
+    /// Puts the points on a side that the host turns where the contact is at the start, and those on what goes with it too: rows of friction take them
+    /// for that, see `contact_kernels/warm_start.rs`. What lies on it at several points goes with its own points there, else as if it did not roll.
     fn carry_back(&self, manifold: &mut Manifold, t: f32) {
         let normal = self.a.rotation * manifold.normal;
         let is_face = manifold.count > 1;
         let count = usize::from(manifold.count);
+        let [turn_a, turn_b] = self.angular.map(|angular| angular.project_onto_normalized(normal));
         for point in &mut manifold.points[..count] {
+            let lever = |side: &ColliderState, on: Vec3| side.offset + side.rotation * on;
             let own = |side: &ColliderState, angular: Vec3, on: Vec3| {
                 let turning = if is_face { angular } else { angular.project_onto_normalized(normal) };
-                side.velocity + turning.cross(side.offset + side.rotation * on)
+                side.velocity + turning.cross(lever(side, on))
             };
-            let back = |side: &ColliderState, contact: Vec3| {
-                side.rotation.conjugate() * (contact - side.velocity).reject_from_normalized(normal) * t
-            };
+            let back =
+                |side: &ColliderState, velocity: Vec3| side.rotation.conjugate() * velocity.reject_from_normalized(normal) * t;
             let contacts = [own(self.b, self.angular[1], point.on_b), own(self.a, self.angular[0], point.on_a)];
-            if self.is_turned[0] {
-                point.on_a -= back(self.a, contacts[0]);
-            }
-            if self.is_turned[1] {
-                point.on_b -= back(self.b, contacts[1]);
-            }
+            let carried = [turn_b.cross(lever(self.a, point.on_a)), turn_a.cross(lever(self.b, point.on_b))];
+            let of = |side: usize| match self.is_turned {
+                turned if turned[side] => contacts[side] - [self.a, self.b][side].velocity,
+                _ => carried[side],
+            };
+            point.on_a -= back(self.a, of(0));
+            point.on_b -= back(self.b, of(1));
         }
-    }
-}
-
-/// A vector turned by a rotation, which often is none.
-fn applied(turn: Quat, vector: Vec3) -> Vec3 {
-    if turn == Quat::IDENTITY { vector } else { turn * vector }
-}
-
-/// How a body is turned after `t` (s).
-fn turned(angular: Vec3, t: f32) -> Quat {
-    if angular == Vec3::ZERO {
-        return Quat::IDENTITY;
-    }
-    let half = angular * (0.5 * t);
-    let x = half.length_squared();
-    if x < SMALL_TURN {
-        let axis = half * (1.0 - x / 6.0);
-        return Quat::from_xyzw(axis.x, axis.y, axis.z, 1.0 - 0.5 * x);
-    }
-    rotated_far(Quat::IDENTITY, (angular * t).clamp_length_max(MAX_TURN))
-}
-
-impl ColliderState {
-    /// Whether turning changes nothing of what the shape does to another: that of a ball about its centre of mass, where normals go through
-    /// the centre. Those of the triangles of a surface may not.
-    fn turns_in_itself(&self, shape: &Shape, other: &Shape) -> bool {
-        self.offset == Vec3::ZERO && matches!(shape.geometry(), Geometry::Ball { .. }) && other.geometry().is_solid()
-    }
-
-    /// Speed at which the surface goes where the shape was not, by turning (m/s). A shape that holds a ball of radius ρ about the centre and
-    /// reaches as far as R has a support function whose slope is at most √(R² − ρ²): nothing of a ball.
-    fn sweep_speed(&self, angular: Vec3) -> f32 {
-        let held = 0.25 * self.least_extent * self.least_extent * angular.length_squared();
-        (self.turning * self.turning - held).max(0.0).sqrt()
-    }
-
-    /// How far the shape's origin has moved after `t` (s, m), and how the shape is turned then, if it is turned by `turn` in its own frame.
-    fn after(&self, turn: Quat, t: f32) -> (Vec3, Quat) {
-        let rotation = if turn == Quat::IDENTITY { self.rotation } else { self.rotation * turn };
-        if self.offset == Vec3::ZERO {
-            return (self.velocity * t, rotation);
-        }
-        let offset = rotation * (self.rotation.conjugate() * self.offset);
-        (self.velocity * t + (offset - self.offset), rotation)
     }
 }

@@ -84,7 +84,8 @@ impl World {
         check::finite_vec("torque", torque)?;
         self.bodies[index].force = force;
         self.bodies[index].torque = torque;
-        if !self.bodies[index].is_free() {
+        // What joints have not been looked at yet may be found to be held.
+        if !self.bodies[index].is_free() || !self.unions.stale.is_empty() {
             self.unions.pushed.push(index);
         }
         self.wake_for(Edited::Body(index));

@@ -221,10 +221,15 @@ impl Ground<'_> {
         let height = f.normal.dot((e.at - f.at).as_vec3());
         let at = e.at - (f.normal * height).as_dvec3();
         // What lies a little deep in one surface meets the side of the next by as much, and what is far off is not seen exactly.
-        let depth = (-f.separation).max(0.0) + UNSURE * e.separation.max(0.0);
+        let unsure = UNSURE * e.separation.max(0.0);
+        let depth = (-f.separation).max(0.0) + unsure;
         // Where both move, K may rise out of the plane, or sink below it, by the end of the step.
         let rise = f.normal.dot(self.velocity(e.shape, e.at) - self.velocity(f.shape, e.at)) * self.dt;
         let (lowest, highest) = (height + rise.min(0.0), height + rise.max(0.0));
+        // Where e is above the plane, so is K.
+        if lowest > e.flush + unsure {
+            return false;
+        }
         let is_held_above = highest <= e.flush && self.is_rolled_over(f, e, into, points);
         // What fell has points of the pose that it would have had below the plane: of a side that ends at the plane, they are no more.
         let is_at_plane = highest <= e.flush && lowest >= -(e.flush + depth);
@@ -247,7 +252,11 @@ impl Ground<'_> {
         let is_filled = |place: DVec3| {
             points.iter().any(|other| other.shape != f.shape && other.shape != e.shape && rises(other.shape, place))
         };
-        is_covered && !rises(e.shape, behind) && !(is_filled(behind + aside) && is_filled(behind - aside))
+        // A point that goes with another one's normal may lie at a corner, from where that leads beside K. What is convex and flush rises nowhere.
+        let beside = f.normal.cross(further).as_dvec3();
+        let is_convex = self.colliders[e.shape].shape.geometry().is_solid() && !self.colliders[e.shape].shape.is_compound();
+        let rises_beside = is_convex && (rises(e.shape, behind + beside) || rises(e.shape, behind - beside));
+        is_covered && !rises(e.shape, behind) && !rises_beside && !(is_filled(behind + aside) && is_filled(behind - aside))
     }
 
     /// Whether e lies ahead of or behind a round shape that J keeps above its plane, between points that it touches J at or those that it would

@@ -139,15 +139,19 @@ fn lean<M: BlockManifolds>(of: &M, extra: &mut MaterialRows, velocities: &Disjoi
             true => Vec3::ZERO,
             false => side.angular.reject_from_normalized(n).cross(lever),
         };
-        let change_a = if turns[0] {
-            a.angular.cross(at_a + slip - own(b, lever_b).reject_from_normalized(n) - a.linear)
-        } else {
-            Vec3::ZERO
+        // What goes with a support turns with it about the normal, and its lever too. Told by its own rate that would answer to its own result: a link
+        // that a driven box winds up is thrown about by it.
+        let turned = |support: &BodyVelocity, lever: Vec3| {
+            let turn = n * support.angular.dot(n);
+            turn.cross(turn.cross(lever))
         };
-        let change_b = if turns[1] {
-            b.angular.cross(at_b - slip - own(a, lever_a).reject_from_normalized(n) - b.linear)
-        } else {
-            Vec3::ZERO
+        let change_a = match turns {
+            [true, _] => a.angular.cross(at_a + slip - own(b, lever_b).reject_from_normalized(n) - a.linear),
+            _ => turned(b, lever_a),
+        };
+        let change_b = match turns {
+            [_, true] => b.angular.cross(at_b - slip - own(a, lever_a).reject_from_normalized(n) - b.linear),
+            _ => turned(a, lever_b),
         };
         let change = (change_b - change_a) * middle;
         let (t1, t2) = tangents(n);

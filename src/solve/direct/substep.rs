@@ -14,9 +14,10 @@ use super::wide_integrator::{self, Start};
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::linalg::narrowing;
-use crate::solve::joint::rows::Phase;
+use crate::solve::joint::rows::{Phase, Rate};
 use crate::solve::momentum::{Inertia, Whole};
 use crate::solve::rotation;
+use crate::tuning::prediction::MAX_KICK;
 
 /// Passes of the active set in a substep that the step's budget does not count: nearly all take no more.
 const FREE_PASSES: usize = 4;
@@ -211,12 +212,20 @@ impl Articulation {
             return;
         }
         self.apply_forces(h);
-        let bodies = self.bodies.iter().zip(&self.rates).zip(&self.local_poses);
-        match mode {
-            Mode::Smooth => self
-                .predicted
-                .extend(bodies.map(|((body, rate), stance)| (stance.0 + rate.linear * h, body.turn(stance, rate, h).rotation))),
-            _ => self.predicted.extend_from_slice(&self.local_poses),
+        if mode != Mode::Smooth {
+            return self.predicted.extend_from_slice(&self.local_poses);
+        }
+        let Self { bodies, rates, local_poses, began, predicted, .. } = self;
+        for (i, body) in bodies.iter().enumerate() {
+            let (stance, rate) = (&local_poses[i], &rates[i]);
+            let before = began.rates[i].angular;
+            let kick = (rate.angular - before) * h;
+            let angular = match kick.length_squared() > MAX_KICK * MAX_KICK {
+                true => before + kick.clamp_length_max(MAX_KICK) / h,
+                false => rate.angular,
+            };
+            let turning = Rate { linear: rate.linear, angular };
+            predicted.push((stance.0 + rate.linear * h, body.turn(stance, &turning, h).rotation));
         }
     }
 

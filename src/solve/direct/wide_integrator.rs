@@ -12,6 +12,7 @@ use crate::platform::in_fours;
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 use crate::step_history::History;
+use crate::tuning::prediction::MAX_KICK;
 
 /// Passes in which the angular velocity at the end of a substep is found from an angular momentum.
 const MOMENTUM_PASSES: usize = 2;
@@ -189,6 +190,12 @@ fn predict_body<F: Four>(bodies4: &[Bodies4], order: &SecondOrder, h: f64, histo
         let linear = (linear * (one / (one + length * F::load(&quad.linear_damping.0)))).clamp_length(MAX_SPEED);
         let angular = angular.clamp_length(MAX_SPIN);
         let reached = start.0 + linear * length;
+        let torque = Vec3x4::load(&quad.torque);
+        if F::any(F::splat(0.0).below(torque.dot(torque))) {
+            let before = quad.velocities::<F>(rates).1;
+            let kick = ((angular - before) * length).clamp_length(MAX_KICK);
+            end = start.1.turned(before * length + kick);
+        }
         let (place, rotation, linear, angular) = (start.0.each(), start.1.each(), linear.each(), angular.each());
         let (reached, end) = (reached.each(), end.each());
         for j in 0..quad.count {
