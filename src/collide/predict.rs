@@ -29,7 +29,7 @@ use super::motion_ahead::{applied, turned};
 use super::narrow::{self, Manifold, NarrowScratch};
 use super::persistent_manifold::Manifolds;
 use super::round_features::swung;
-use crate::shape::Shape;
+use crate::shape::{Geometry, Shape};
 
 /// Way ahead below which the pose at the step's start is as good, over the lesser least extent of the two: less than manifolds are kept for.
 const NO_MOTION: f32 = 5.0e-4;
@@ -138,6 +138,11 @@ impl FoundContacts<'_> {
     }
 }
 
+/// Whether either shape has no flat face: which face of two meets is seen where they overlap, and not where they only touch.
+fn touches_at_points(shapes: [&Shape; 2]) -> bool {
+    shapes.iter().any(|shape| matches!(shape.geometry(), Geometry::Ball { .. } | Geometry::Capsule { .. }))
+}
+
 /// Least separation of a manifold's points (m).
 fn nearest_of(manifold: &Manifold) -> f32 {
     manifold.contacts().iter().fold(f32::INFINITY, |least, point| least.min(point.separation))
@@ -218,7 +223,10 @@ impl PairApproach<'_> {
             let began = found.nearest();
             let began_apart = began > 0.0;
             let (share, turns) = self.follow(shapes, extent, (path, 1.0), margin, found);
-            let (share, turns) = self.first_touch(shapes, (began, extent), (share, turns), margin, found);
+            let (share, turns) = match touches_at_points(shapes) && self.a.is_round && self.b.is_round {
+                true => self.first_touch(shapes, (began, extent), (share, turns), margin, found),
+                false => (share, turns),
+            };
             found.manifolds.retain_mut(|manifold| {
                 let is_apart = nearest_of(manifold) >= 0.0;
                 self.put_back(manifold, share * self.step.dt, turns);
