@@ -256,7 +256,8 @@ impl Ground<'_> {
         let beside = f.normal.cross(further).as_dvec3();
         let is_convex = self.colliders[e.shape].shape.geometry().is_solid() && !self.colliders[e.shape].shape.is_compound();
         let rises_beside = is_convex && (rises(e.shape, behind + beside) || rises(e.shape, behind - beside));
-        is_covered && !rises(e.shape, behind) && !rises_beside && !(is_filled(behind + aside) && is_filled(behind - aside))
+        let is_walled = is_filled(behind + aside) && is_filled(behind - aside);
+        is_covered && !(rises(e.shape, behind) || rises_beside || is_walled)
     }
 
     /// Whether e lies ahead of or behind a round shape that J keeps above its plane, between points that it touches J at or those that it would
