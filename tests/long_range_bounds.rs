@@ -326,7 +326,7 @@ impl Left {
 }
 
 /// Structures of each kind whose bounds are looked at for how tight they are.
-const LOOKED_AT: u64 = 1500;
+const LOOKED_AT: u64 = 750;
 
 fn left_by_trees(is_chain: bool) -> Left {
     let mut left = Left::default();

@@ -158,7 +158,7 @@ fn a_sheet_rolls_back_to_any_step() {
 
 #[test]
 fn a_rope_bridge_rolls_back_to_any_step() {
-    rolls_back("rope_bridge", &[("planks", "24")], 90, 300, 1);
+    rolls_back("rope_bridge", &[("planks", "24")], 90, 120, 1);
 }
 
 #[test]
