@@ -57,7 +57,7 @@ pub(crate) mod hold {
 pub(crate) mod prediction {
     /// Most by which a torque of the host turns a body further in a substep, as its joints see it beforehand (rad).
     /// Why: what a joint holds is not turned. Seen three radians on, it was solved for a turn more, and told of 10,000 rad/s at rest.
-    /// Scenes: boxes, rods and plates of 1 cm to 1 m on six kinds of joints, torques that turn them by 0.3 to 10 rad in a substep.
+    /// Scenes: boxes, rods and plates of 1 cm to 1 m on hinges, sliders, ball and six-axis joints, torques of 0.3 to 10 rad in a substep.
     /// Test: tests/held_torques.rs
     pub(crate) const MAX_KICK: f64 = 0.5;
 }
