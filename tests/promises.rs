@@ -27,6 +27,7 @@ mod fast_bodies;
 mod flush_floors;
 mod fracture;
 mod free_turns;
+mod grooves;
 mod held_torques;
 mod held_units;
 mod hinge_planes;

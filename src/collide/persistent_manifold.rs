@@ -38,6 +38,13 @@ pub(crate) struct Carried<'a> {
     pub impulses: &'a ContactImpulses,
 }
 
+impl Carried<'_> {
+    /// Whether any of its points pressed in the last step.
+    pub(crate) fn presses(&self) -> bool {
+        self.impulses.normal.iter().any(|&impulse| impulse > 0.0)
+    }
+}
+
 impl CarriedManifold {
     fn read(&self) -> Carried<'_> {
         let Manifold { normal, part, .. } = self.geometry;

@@ -46,7 +46,7 @@ pub(crate) const FLUSH: f32 = 2.0e-3;
 
 /// Stride at which a pair that may meet is looked at, over the lesser least extent: whatever overlaps does so for at least two strides,
 /// and the axis of least overlap is still that of the surface that was met.
-const STRIDE: f32 = 0.25;
+pub(super) const STRIDE: f32 = 0.25;
 
 /// Strides up to which all are taken; a longer way is walked by the distances found.
 const FEW_STRIDES: f32 = 2.0;
@@ -70,7 +70,7 @@ const PRESSED_STRIDE: f32 = 0.05;
 const SAGITTA: f32 = 2.0e-3;
 
 /// Two shapes in a step.
-struct PairApproach<'a> {
+pub(super) struct PairApproach<'a> {
     a: &'a ColliderState,
     b: &'a ColliderState,
     /// Angular velocities of their bodies in the frames of the shapes (rad/s).
@@ -78,7 +78,7 @@ struct PairApproach<'a> {
     /// Angular velocities of their bodies (rad/s, world axes), and whether the host turns them.
     angular: [Vec3; 2],
     is_turned: [bool; 2],
-    step: Step,
+    pub(super) step: Step,
 }
 
 /// How far apart two shapes are looked at.
@@ -133,6 +133,12 @@ impl FoundContacts<'_> {
         points.reduce(|least, more| if more.0 < least.0 { more } else { least }).map(|(_, normal)| normal)
     }
 
+    /// Which of the first manifolds are apart by more than this (m), as bits.
+    fn apart_by(&self, least: f32) -> u32 {
+        let apart = self.manifolds.iter().take(u32::BITS as usize).map(|manifold| u32::from(nearest_of(manifold) > least));
+        apart.enumerate().fold(0, |all, (number, is_apart)| all | is_apart << number)
+    }
+
     fn nearest(&self) -> f32 {
         self.manifolds.iter().map(nearest_of).fold(f32::INFINITY, f32::min)
     }
@@ -144,7 +150,7 @@ fn touches_at_points(shapes: [&Shape; 2]) -> bool {
 }
 
 /// Least separation of a manifold's points (m).
-fn nearest_of(manifold: &Manifold) -> f32 {
+pub(super) fn nearest_of(manifold: &Manifold) -> f32 {
     manifold.contacts().iter().fold(f32::INFINITY, |least, point| least.min(point.separation))
 }
 
@@ -218,7 +224,9 @@ impl PairApproach<'_> {
         };
         if is_pressed {
             let (share, turns) = self.look_ahead(shapes, start, (ahead, extent / path), margin, found);
+            let apart = found.apart_by(NO_MOTION * extent);
             put_back(found, share, turns);
+            self.follow_parts(shapes, (extent / path, apart), &reach, found);
         } else if self.a.is_round || self.b.is_round {
             let began = found.nearest();
             let began_apart = began > 0.0;
@@ -312,7 +320,7 @@ impl PairApproach<'_> {
     }
 
     /// Collides the two after a share of the step; how both are turned then, in their own frames.
-    fn look(&self, shapes: [&Shape; 2], share: f32, margin: f32, found: &mut FoundContacts) -> [Quat; 2] {
+    pub(super) fn look(&self, shapes: [&Shape; 2], share: f32, margin: f32, found: &mut FoundContacts) -> [Quat; 2] {
         let t = share * self.step.dt;
         let turns = self.spins.map(|spin| turned(spin, t));
         let ((shift_a, turn_a), (shift_b, turn_b)) = (self.a.after(turns[0], t), self.b.after(turns[1], t));
@@ -426,7 +434,7 @@ impl PairApproach<'_> {
     }
 
     /// Puts a manifold of the pose after `t` (s), in which both are turned like this in their own frames, back to the start.
-    fn put_back(&self, manifold: &mut Manifold, t: f32, turns: [Quat; 2]) {
+    pub(super) fn put_back(&self, manifold: &mut Manifold, t: f32, turns: [Quat; 2]) {
         let normal_a = applied(turns[0], manifold.normal);
         let normal = self.a.rotation * normal_a;
         let closing = normal.dot(self.b.velocity - self.a.velocity);

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! with x' after position recovery. A ball without friction keeps its ω. What turns by more than a smooth surface does is a hit, and loses
-//! what a hit loses.
+//! what a hit loses; the two sides of a groove are no such surface.
 
 use glam::{DVec3, Vec3};
 
@@ -91,6 +91,14 @@ impl BallOnSurface {
         (pair.pressed && !has_rebounded).then(|| pressed.map(move |manifold| turn * manifold.normal * sign))
     }
 
+    /// Whether what it may come to in a step of length `dt` (s) is turned by more than a smooth surface is: the two sides of a groove.
+    fn is_in_groove(&self, pair: &Pair, (gravity, dt): (Vec3, f32), max_turn: f32) -> bool {
+        let way = (self.linear_velocity.length() + gravity.length() * dt) * dt + MAX_SINK * self.radius;
+        let near = pair.manifolds.iter().filter(|manifold| manifold.points.iter().any(|point| point.separation < way));
+        let mut first = None;
+        near.map(|manifold| manifold.normal).any(|normal| normal.cross(*first.get_or_insert(normal)).length() > max_turn)
+    }
+
     /// Whether a ball with these velocities follows a plane with this normal without rubbing on it, and comes to it turned by no more
     /// than a smooth surface turns in a step.
     fn follows(&self, normal: Vec3, linear: Vec3, angular: Vec3, max_turn: f32) -> bool {
@@ -139,6 +147,9 @@ impl World {
             let Some(mut normals) = ball.normals(pairs.get(ball.slot), index) else { continue };
             let body = &mut bodies[ball.ball];
             let max_turn = ball.max_turn(dt);
+            if ball.is_in_groove(pairs.get(ball.slot), (def.gravity, dt), max_turn) {
+                continue;
+            }
             let keeps = normals.all(|normal| {
                 ball.follows(normal, ball.linear_velocity, ball.angular_velocity, max_turn)
                     && ball.follows(normal, body.linear_velocity, body.angular_velocity, max_turn)
