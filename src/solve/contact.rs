@@ -12,6 +12,7 @@
 
 use glam::Vec3;
 
+use super::state::BodyVelocity;
 pub(crate) use crate::contact::{ContactImpulses, POINTS, TOUCHED, tangents};
 pub(crate) use crate::lanes::wide::{LANES, Lane, Lane3};
 use crate::lanes::wide::{Wide, Wide3};
@@ -46,6 +47,19 @@ impl ContactInput {
     /// Whether any of its points has pressed in the last substep.
     pub(crate) fn presses(&self) -> bool {
         self.impulses.normal.iter().any(|&lambda| lambda > 0.0)
+    }
+
+    /// Speed at which one of its points opens (m/s).
+    pub(crate) fn opening(&self, point: usize, velocities: &[BodyVelocity]) -> f32 {
+        let [a, b] = [self.a, self.b].map(|slot| &velocities[slot as usize]);
+        let of_a = a.linear + a.angular.cross(self.lever_a[point]);
+        let of_b = b.linear + b.angular.cross(self.lever_b[point]);
+        self.normal.dot(of_b - of_a)
+    }
+
+    /// Whether a point of it closes faster than this (m/s).
+    pub(crate) fn closes(&self, velocities: &[BodyVelocity], speed: f32) -> bool {
+        (0..self.count).any(|point| -self.opening(point, velocities) > speed)
     }
 }
 

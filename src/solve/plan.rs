@@ -88,6 +88,8 @@ struct IslandTraits {
     is_anchored: bool,
     /// Whether all joints hold points together and do nothing else.
     is_plain: bool,
+    /// Whether a joint does more than give as a spring does.
+    is_held: bool,
     /// Least and greatest inverse mass of what moves (1/kg).
     inverse_masses: [f32; 2],
     touches: bool,
@@ -153,6 +155,7 @@ impl Planner {
             look.joints += 1;
             look.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
             look.is_plain &= link.traits.is_plain;
+            look.is_held |= !link.traits.gives;
             look.is_limbed |= link.traits.limits_angles;
             look.borne.is_driven |= link.traits.has_rigid_motor;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
@@ -334,9 +337,10 @@ impl IslandTraits {
     }
 
     /// Whether articulations that touch one another are better swept: nothing that is fixed holds them, or there is more to press than to
-    /// hold, as in a heap of ragdolls. Where something heavy presses, as a car does on its jack, sweeps do not bear it.
+    /// hold, as in a heap of ragdolls; or a heap out of which springs draw. Where something heavy presses, as a car on its jack, sweeps do not bear it.
     fn is_heap(&self) -> bool {
-        self.articulations >= 2 && self.may_be_heap() && !self.borne.is_heavy
+        let is_drawn_from = !self.is_held && self.borne.meetings > self.bodies;
+        (self.articulations >= 2 || is_drawn_from) && self.may_be_heap() && !self.borne.is_heavy
     }
 
     /// The same, as far as is known without counting articulations.
@@ -466,19 +470,11 @@ fn find_standing(
     }
 }
 
-/// Speed at which a point of a contact opens (m/s).
-fn opening(contact: &ContactInput, point: usize, velocities: &[BodyVelocity]) -> f32 {
-    let [a, b] = [contact.a, contact.b].map(|slot| &velocities[slot as usize]);
-    let of_a = a.linear + a.angular.cross(contact.lever_a[point]);
-    let of_b = b.linear + b.angular.cross(contact.lever_b[point]);
-    contact.normal.dot(of_b - of_a)
-}
-
 /// Whether a contact may close within a step of `dt` (s), at the speeds of now and what gravity and the host's forces add.
 fn may_meet(contact: &ContactInput, (velocities, motions): (&[BodyVelocity], &[BodyMotion]), dt: f32) -> bool {
     let most = |slot: u32| motions[slot as usize].acceleration.length();
     let fall = most(contact.a).max(most(contact.b)) * dt * dt;
-    (0..contact.count).any(|point| contact.separation[point] <= fall - opening(contact, point, velocities).min(0.0) * dt)
+    (0..contact.count).any(|point| contact.separation[point] <= fall - contact.opening(point, velocities).min(0.0) * dt)
 }
 
 /// Whether one body of a contact is held by joints and [`HEAVY`] times lighter than the other, which moves too.
@@ -488,12 +484,7 @@ fn weighs_down(contact: &ContactInput, velocities: &[BodyVelocity], motions: &[B
     is_light(contact.a, a, b) || is_light(contact.b, b, a)
 }
 
-/// Whether a point of a contact closes faster than this (m/s).
-pub(crate) fn closes(contact: &ContactInput, velocities: &[BodyVelocity], speed: f32) -> bool {
-    (0..contact.count).any(|point| -opening(contact, point, velocities) > speed)
-}
-
 /// Whether a contact is to rebound in the step.
 fn rebounds(contact: &ContactInput, velocities: &[BodyVelocity], settings: &StepSettings) -> bool {
-    contact.material.restitution > 0.0 && closes(contact, velocities, settings.restitution_threshold)
+    contact.material.restitution > 0.0 && contact.closes(velocities, settings.restitution_threshold)
 }

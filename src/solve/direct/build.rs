@@ -15,7 +15,6 @@ use crate::solve::buckets::Buckets;
 use crate::solve::contact::ContactInput;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::solve::joint::JointLink;
-use crate::solve::plan::closes;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::step_history::History;
 use crate::workers::Workers;
@@ -251,7 +250,7 @@ impl<R: BatchRecords> BuildInput<'_, R> {
             match place_of(contact) {
                 ContactRoute::Fixed => {
                     fixed += 1;
-                    hits |= closes(contact, self.velocities, MIN_HIT);
+                    hits |= contact.closes(self.velocities, MIN_HIT);
                 }
                 ContactRoute::Carried => carries = true,
                 ContactRoute::Apart => presses |= contact.presses(),

@@ -175,6 +175,29 @@ pub(crate) fn has_springs(def: &JointDef) -> bool {
         }
 }
 
+/// Whether all that a joint does gives as a spring does: as a hand does that drags a body about.
+pub(crate) fn gives(def: &JointDef) -> bool {
+    let gives = |softness: &Softness| softness.compliance > 0.0;
+    let of_axis = |limits: &Limits, held: &Softness| match limits {
+        limits if *limits == Limits::NONE => true,
+        limits => limits.min == limits.max && gives(held),
+    };
+    !has_rigid_motor(&def.kind)
+        && match &def.kind {
+            JointKind::Fixed => gives(&def.linear) && gives(&def.angular),
+            JointKind::Hinge { limits, .. } => gives(&def.linear) && gives(&def.angular) && *limits == Limits::NONE,
+            JointKind::Prismatic { limits, .. } => gives(&def.linear) && gives(&def.angular) && *limits == Limits::NONE,
+            JointKind::Spherical { .. } => gives(&def.linear) && !limits_angles(&def.kind),
+            JointKind::Distance { limits, spring_length, .. } => {
+                of_axis(limits, &def.linear) && (spring_length.is_none() || gives(&def.linear))
+            }
+            JointKind::Generic { linear, angular } => {
+                let along = linear.iter().all(|axis| of_axis(&axis.limits, &def.linear));
+                along && angular.iter().all(|axis| of_axis(&axis.limits, &def.angular))
+            }
+        }
+}
+
 /// Whether a joint of this kind has a rigid position motor of bounded force.
 pub(crate) fn has_servo(kind: &JointKind) -> bool {
     let is_servo = |motor: &Motor| {

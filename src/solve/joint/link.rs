@@ -30,6 +30,8 @@ pub(crate) struct JointTraits {
     pub has_soft_stops: bool,
     /// Whether anything of it gives as a spring does.
     pub has_springs: bool,
+    /// Whether all of it does.
+    pub gives: bool,
     /// What it asks of its articulation.
     pub solver: Solver,
 }
@@ -48,6 +50,7 @@ impl JointTraits {
         has_rigid_motor: false,
         has_soft_stops: false,
         has_springs: false,
+        gives: false,
         solver: Solver::Auto,
     };
 
@@ -69,6 +72,7 @@ impl JointTraits {
             has_rigid_motor: kinds::has_rigid_motor(&def.kind),
             has_soft_stops: kinds::has_soft_stops(def),
             has_springs: kinds::has_springs(def),
+            gives: kinds::gives(def),
             solver: def.solver,
         }
     }
