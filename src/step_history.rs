@@ -8,6 +8,9 @@ pub(crate) type Twist = [Vec3; 2];
 /// Length of the substep where nothing is known but that the next one begins with a blow.
 const JOLTED: f32 = -2.0;
 
+/// Length of the substep where nothing is known but that the host has changed the velocity.
+const STRUCK: f32 = -3.0;
+
 /// Length of the substep where nothing is known but a lead: see `solve/velocity_half_step.rs`.
 const TOLD: f32 = -1.0;
 
@@ -31,6 +34,8 @@ pub(crate) struct History {
     /// Rates of both at its end, as the substep took them (m/s², N·m).
     pub(crate) acceleration: Vec3,
     pub(crate) torque: Vec3,
+    /// Of those, what gravity and the host gave it: acceleration and torque (m/s², N·m).
+    pub(crate) pushed: Twist,
     /// Second derivative of its velocity, averaged over the length of a step (m/s³); zero where nothing is known.
     pub(crate) jerk: Vec3,
     /// Velocities at its end: others mean that the body has been struck or edited since.
@@ -50,6 +55,7 @@ impl History {
         momentum_before: Vec3::ZERO,
         acceleration: Vec3::ZERO,
         torque: Vec3::ZERO,
+        pushed: [Vec3::ZERO; 2],
         jerk: Vec3::ZERO,
         linear: Vec3::ZERO,
         angular: Vec3::ZERO,
@@ -59,6 +65,11 @@ impl History {
     /// that substep itself.
     pub(crate) fn is_jolted(&self) -> bool {
         self.h == JOLTED
+    }
+
+    /// Whether the host has changed the body's velocity, which its joints may not allow.
+    pub(crate) fn is_struck(&self) -> bool {
+        self.h == STRUCK
     }
 
     /// Of a body that sweeps have moved, and whose velocity was told with this lead.
@@ -115,6 +126,11 @@ impl StepHistory {
         }
     }
 
+    /// Forgets the last substep, but not a lead: the body weighs something else than it did in it.
+    pub(crate) fn mass_changed(&mut self) {
+        self.center_moved(Vec3::ZERO);
+    }
+
     /// Forgets everything; the room is kept, for a step that is to come.
     pub(crate) fn forget(&mut self) {
         if let Some(kept) = &mut self.0 {
@@ -125,6 +141,14 @@ impl StepHistory {
     /// Notes that what holds the body has changed its velocity at once.
     pub(crate) fn jolt(&mut self) {
         self.set(History { h: JOLTED, ..History::NONE });
+    }
+
+    /// Notes that the host has changed the body's velocity.
+    pub(crate) fn strike(&mut self) {
+        let kept = self.get();
+        if kept.lead().is_none() && !kept.is_jolted() {
+            self.set(History { h: STRUCK, ..kept });
+        }
     }
 
     pub(crate) fn forget_lead(&mut self) {

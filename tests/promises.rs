@@ -84,6 +84,7 @@ mod sticks;
 mod stops;
 mod stress;
 mod strides;
+mod struck_joints;
 mod support;
 mod thrust;
 mod tipping;

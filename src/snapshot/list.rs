@@ -218,6 +218,7 @@ stored!(History {
     momentum_before,
     acceleration,
     torque,
+    pushed,
     jerk,
     linear,
     angular

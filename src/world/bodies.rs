@@ -250,6 +250,7 @@ impl World {
             self.welds_changed(index);
         }
         self.keep_anchored(index);
+        self.strike(index);
         self.note_mover(index);
         self.rest_boxes(index);
         Ok(())
@@ -324,6 +325,7 @@ impl World {
     pub(super) fn apply_mass(&mut self, index: u32, mass: Option<crate::mass::MassProperties>) {
         let before = self.bodies[index].local_center;
         self.bodies[index].set_mass(mass);
+        self.bodies[index].history.mass_changed();
         if !self.bodies[index].joints.is_empty() {
             self.long_range.graph_changed();
             self.welds_changed(index);

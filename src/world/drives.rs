@@ -79,7 +79,15 @@ impl World {
         }
     }
 
-    /// The same of all that hangs on a kinematic body, or on what is welded to it.
+    /// Notes that the host has changed the velocity of a body, which joints may not allow.
+    pub(super) fn strike(&mut self, index: u32) {
+        let solved = self.unions.moving(index).map_or(index, |union| union.lead);
+        if self.bodies[solved].is_free() && !self.bodies[index].joints.is_empty() {
+            self.bodies[solved].history.strike();
+        }
+    }
+
+    /// The same as [`jolt`](Self::jolt) of all that hangs on a kinematic body, or on what is welded to it.
     pub(super) fn jolt_what_hangs_on(&mut self, kinematic: u32) {
         let mut hangs = std::mem::take(&mut self.scratch.slots);
         hangs.clear();

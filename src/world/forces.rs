@@ -104,6 +104,7 @@ impl World {
         self.bodies[index].linear_velocity = linear;
         self.bodies[index].angular_velocity = angular;
         self.keep_anchored(index);
+        self.strike(index);
         self.wake_for(Edited::Body(index));
         Ok(())
     }

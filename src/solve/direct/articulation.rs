@@ -245,8 +245,8 @@ impl Articulation {
     ) -> u32 {
         self.swept_for = self.swept_for.max(history.swept_for);
         self.origins.push(origin);
-        self.histories.push(history);
         let body = DirectBody::new(slot, velocity, motion);
+        self.histories.push(body.pushed_before(history));
         self.is_damped |= body.is_damped();
         let number = self.bodies.len() as u32;
         if !body.is_dynamic() && slot != WORLD_SLOT {
@@ -346,6 +346,7 @@ impl Articulation {
         if self.is_jolted {
             self.histories.fill(History::NONE);
         }
+        self.stop_at_joints(joints);
         let energy = self.energy();
         self.take_substeps(joints, settings);
         let gained = self.energy() - energy;

@@ -4,7 +4,7 @@
 //! that what is damped answers to its joints as if it were heavier by h c: with M alone it would move as well where all is damped
 //! alike, but p would be short of what the joints bear by 1/(1 + h c).
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::super::integrate;
 use super::super::joint::LocalPose;
@@ -13,6 +13,7 @@ use super::super::joint::rows::Rate;
 use super::super::rotation::{self, SubstepRotation, Top};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use crate::linalg::narrowing;
+use crate::step_history::History;
 
 /// Largest rotation by which a projection turns a body at once (rad); beyond it a lever's direction has no meaning.
 const MAX_PROJECTED_TURN: f64 = 0.5;
@@ -175,6 +176,33 @@ impl DirectBody {
     /// Its velocity so long (s) after it had this one.
     pub(crate) fn bent(&self, rate: &Rate, after: f64) -> Rate {
         Rate { linear: rate.linear + self.acceleration * after, angular: rate.angular + self.torque * after }
+    }
+
+    /// Its last substep as it would have been with the forces of now, which may act for this step alone.
+    ///
+    /// What a two-step method takes from the last substep is an impulse that is neither given nor taken where forces change: of a force that acts for
+    /// one step, in which substeps get shorter, joints passed on three quarters. What the change Δa would have done in that substep of length h is
+    /// h Δa in the velocity and ½ h² Δa on the way. With it a constant force gives exactly its impulse, wherever it sets in.
+    pub(super) fn pushed_before(&self, mut history: History) -> History {
+        let now = [narrowing::impulse(self.acceleration), narrowing::impulse(self.torque)];
+        if history.h <= 0.0 || history.pushed == now || !self.is_dynamic() {
+            return history;
+        }
+        let h = history.h;
+        let along = DVec3::select(self.undamped.cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO).as_vec3();
+        let push = (now[0] - history.pushed[0]) * along;
+        let about = now[1] - history.pushed[1];
+        history.linear_before -= push * h;
+        history.acceleration += push;
+        history.displacement -= push * (0.5 * h * h);
+        history.momentum_before -= about * h;
+        history.torque += about;
+        if history.spin_turn == 0.0 {
+            let gained = masked(self.inertia_at(&(DVec3::ZERO, DQuat::IDENTITY)).inverse(), self.top.free) * about.as_dvec3();
+            history.turn -= gained.as_vec3() * (0.5 * h * h);
+        }
+        history.pushed = now;
+        history
     }
 
     /// Adds a substep's forces.

@@ -91,14 +91,19 @@ impl Direct {
         self.group.get(slot as usize).copied().unwrap_or(slot)
     }
 
-    /// Lists the contacts of each group, and finds what each carries.
-    pub(crate) fn find_touching(&mut self, contacts: &[ContactInput], motions: &[BodyMotion]) {
+    /// Lists the contacts of each group, and finds what each carries in a step with substeps of length `h` (s).
+    pub(crate) fn find_touching(
+        &mut self,
+        contacts: &[ContactInput],
+        (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
+        h: f32,
+    ) {
         self.touching.clear();
         self.touches.clear();
         if self.group.is_empty() {
             return;
         }
-        self.riders.find(contacts, &self.group, motions);
+        self.riders.find(contacts, &self.group, (velocities, motions), h);
         if contacts.is_empty() {
             return;
         }

@@ -7,11 +7,14 @@
 //! *Riders* are unjointed bodies in contact with an articulation, and what is in contact with them in turn, unless that leads to
 //! another articulation, or to so many bodies or manifolds that an active set is no longer the way to solve them. Whether they press
 //! or are about to is not asked: how a light plank between taut ones will move is known only once its joints are solved, and a load
-//! that it meets unforeseen would be left to sweeps for that step.
+//! that it meets unforeseen would be left to sweeps for that step. What tumbles fast is carried only where it presses: it turns exactly by itself.
+
+use glam::Vec3;
 
 use super::{NO_GROUP, root};
 use crate::solve::contact::ContactInput;
-use crate::solve::state::BodyMotion;
+use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind};
+use crate::tuning::carried::TUMBLE;
 
 /// Most bodies that an articulation carries, and most manifolds of theirs.
 pub(crate) const MAX_RIDERS: u32 = 12;
@@ -42,8 +45,14 @@ impl CarriedBodies {
         Some(self.carrier[set as usize]).filter(|&carrier| carrier != NO_GROUP)
     }
 
-    /// Finds all riders of a step; `group` says which slots joints connect.
-    pub(super) fn find(&mut self, contacts: &[ContactInput], group: &[u32], motions: &[BodyMotion]) {
+    /// Finds all riders of a step with substeps of length `h` (s); `group` says which slots joints connect.
+    pub(super) fn find(
+        &mut self,
+        contacts: &[ContactInput],
+        group: &[u32],
+        (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
+        h: f32,
+    ) {
         self.clear();
         let jointed = |slot: u32| motions[slot as usize].is_dynamic() && motions[slot as usize].jointed;
         let loose = |slot: u32| motions[slot as usize].is_dynamic() && !motions[slot as usize].jointed;
@@ -71,7 +80,9 @@ impl CarriedBodies {
             for (own, other) in [(contact.a, contact.b), (contact.b, contact.a)] {
                 if loose(own) {
                     let carrier = &mut self.carrier[self.set[own as usize] as usize];
-                    let wanted = match (contact.is_plain(), jointed(other)) {
+                    let may_ride = contact.is_plain()
+                        && (contact.presses() || !tumbles(&motions[own as usize], velocities[own as usize].angular, h));
+                    let wanted = match (may_ride, jointed(other)) {
                         (false, _) => SEVERAL,
                         (true, true) => group[other as usize],
                         (true, false) => *carrier,
@@ -107,4 +118,13 @@ impl CarriedBodies {
             }
         }
     }
+}
+
+/// Whether the angular momentum of a body turns in it by more than [`TUMBLE`] in a substep of length `h` (s).
+fn tumbles(motion: &BodyMotion, angular: Vec3, h: f32) -> bool {
+    if motion.kind != MotionKind::Tumbling || angular.length() * h <= TUMBLE {
+        return false;
+    }
+    let momentum = motion.angular_momentum(angular);
+    angular.cross(momentum).length() * h > TUMBLE * momentum.length()
 }

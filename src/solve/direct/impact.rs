@@ -38,7 +38,7 @@ use crate::solve::joint::{LocalPose, rebound};
 use crate::solve::rotation;
 
 /// Length of a substep (s) over which what is left of a gap asks for no speed. What the host moves of a joint asks for its own.
-const LONG: f64 = 1.0e9;
+pub(super) const LONG: f64 = 1.0e9;
 
 /// Gain of kinetic energy by an impact that is rounding.
 const ROUNDING: f64 = 1.0e-6;
@@ -140,6 +140,9 @@ impl Articulation {
                 row.state = if acts { RowState::Free } else { RowState::Absent };
             }
         }
+        // Nor do contacts that stand in nodes of their own: none of them presses, and without a substep's length any gap would be closed.
+        let contacts = self.system.nodes.get(self.entries.len()).map_or(self.system.rows.len(), |node| node.first as usize);
+        self.system.rows[contacts..].iter_mut().for_each(|row| row.state = RowState::Absent);
         self.blow(1.0);
     }
 

@@ -13,7 +13,7 @@
 //! | `body`, `stiffness`, `distance_stiffness`, `composite`, `servo_loops` | inertia, geometric stiffness, what a motor moves |
 //! | `multistep`, `rotor`, `rotors` | second order in time; bodies that spin fast |
 //! | `project`, `projection_energy`, `buckle` | position correction, and the energy that it may not add |
-//! | `impact`, `soft_stops` | stops that are met |
+//! | `impact`, `soft_stops`, `struck` | stops that are met; velocities that the host has set |
 //! | `contacts`, `contact_rows`, `tracked_points`, `curved_contacts`, `speculative_contacts`, `carried_bodies` | contacts |
 //! | `block_constraint`, `block_constraints`, `factor_reuse` | articulations that touch moving bodies, swept with contacts |
 //! | `articulation_batch`, `interleaved_system` | four of those at a time |
@@ -80,6 +80,7 @@ mod servo_loops;
 mod soft_stops;
 mod speculative_contacts;
 pub(crate) mod stiffness;
+mod struck;
 mod substep;
 mod substep_control;
 mod system;

@@ -127,7 +127,7 @@ impl BatchInput<'_> {
             let records = Within { world: self, bodies, manifolds, scale, stride };
             let contents = Contents { islands, end: first_replica, velocities, motions, contacts: inputs };
             newton.step(&mut joints.links, contents, &records, (self.joints, settings, threads));
-            direct.find_touching(inputs, motions);
+            direct.find_touching(inputs, (&*velocities, &*motions), h);
             direct.take(&mut joints.links, (velocities, motions), inputs, &records, threads);
             direct.step(self.joints, velocities, motions, inputs, settings, threads);
             let (direct, context) = batch.direct_and_context(threads);
