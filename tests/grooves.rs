@@ -74,6 +74,75 @@ fn a_marble_keeps_its_speed_along_a_groove_of_triangles() {
     }
 }
 
+/// Across a concave edge a triangle pushed as if it bent outwards there, along the edge as well: marbles stopped, or were driven on.
+#[test]
+fn a_marble_rolls_on_in_valleys_of_a_height_field_and_in_a_half_pipe() {
+    for (radius, rate, stride) in
+        [(0.01_f32, 60.0_f32, 0.05_f32), (0.01, 60.0, 0.25), (0.01, 30.0, 0.1), (0.1, 60.0, 0.05), (0.01, 120.0, 0.5)]
+    {
+        // In a flat pipe slow marbles that fall by a quarter of their radius in a step stop: docs/guide/limits.md.
+        let is_slow = stride < 0.5;
+        for is_pipe in [false, true].into_iter().take(if is_slow { 1 } else { 2 }) {
+            for phase in 0..6 {
+                let mut world = World::new(&WorldDef::default()).unwrap();
+                let (rows, columns, cell) = (9, 61, 2.0 * radius);
+                let slope = 15.0_f32.to_radians();
+                let width = |row: usize| (row as f32 - 4.0) * cell;
+                let rise = |across: f32| match is_pipe {
+                    // Of a pipe of 16 radii, whose lowest strips meet in the middle.
+                    true => 16.0 * radius - (256.0 * radius * radius - across * across).sqrt(),
+                    false => across.abs() * slope.tan(),
+                };
+                let heights = (0..rows).flat_map(|row| std::iter::repeat_n(rise(width(row)), columns)).collect();
+                let (size_x, size_z) = (cell * 60.0, cell * 8.0);
+                ground(&mut world, Geometry::HeightField { rows, columns, heights, size_x, size_z }, 0.5);
+                let lean = if is_pipe { (rise(cell) / cell).atan() } else { slope };
+                let (speed, height) = (stride * radius * rate, radius / lean.cos());
+                let start = radius * (-50.0 + 2.0 * phase as f32 / 6.0);
+                let position = DVec3::new(f64::from(start), f64::from(height + 1.0e-3 * radius), 0.0);
+                let body = ball(&mut world, radius, position, speed, 0.5, speed / (radius * lean.cos()));
+                for step in 0..(60.0 / stride).min(600.0) as usize {
+                    world.step(1.0 / rate).unwrap();
+                    let share = world.linear_velocity(body).unwrap().x / speed;
+                    let what =
+                        format!("pipe: {is_pipe}, {radius} m, {rate} Hz, {stride} radii a step, phase {phase}, step {step}");
+                    assert!((0.96..1.03).contains(&share), "{what}: {share} of the speed");
+                }
+            }
+        }
+    }
+}
+
+/// It falls by twice its radius in a step, and rests on the edge alone as it goes over it.
+#[test]
+fn a_slow_marble_does_not_fall_through_the_edge_that_it_rolls_over() {
+    for (radius, rate) in [(0.005_f32, 30.0_f32), (0.005, 60.0), (0.05, 30.0)] {
+        for case in 0..16 {
+            let (slope, length) = (0.15 + 0.07 * case as f32, radius * (0.3 + 0.08 * case as f32));
+            let mut world = World::new(&WorldDef::default()).unwrap();
+            let columns = 2 * (15.0 * radius / length).ceil() as usize + 1;
+            let x = |column: usize| length * (column as f32 - 0.5 * (columns - 1) as f32);
+            let row = (0..columns).map(|column| -x(column).max(0.0) * slope.tan());
+            let heights = (0..5).flat_map(|_| row.clone()).collect();
+            let (size_x, size_z) = (length * (columns - 1) as f32, 40.0 * radius);
+            ground(&mut world, Geometry::HeightField { rows: 5, columns, heights, size_x, size_z }, 0.5);
+            let speed = 0.03 * radius * rate;
+            let position = DVec3::new(f64::from(-0.4 * radius), f64::from(1.001 * radius), 0.0);
+            let body = ball(&mut world, radius, position, speed, 0.5, speed / radius);
+            for step in 0..200 {
+                world.step(1.0 / rate).unwrap();
+                let position = world.pose(body).unwrap().position;
+                if position.x as f32 > 0.5 * size_x - 2.0 * radius {
+                    break;
+                }
+                let ground = -position.x.max(0.0) * f64::from(slope.tan());
+                let what = format!("{radius} m, {rate} Hz, slope {slope}, step {step}");
+                assert!(position.y > ground + 0.5 * f64::from(radius), "{what}: {} m under the ground", ground - position.y);
+            }
+        }
+    }
+}
+
 /// Of the part that is met ahead the normal where the ball presses is that of its edge: it left 0.67 to 0.98 of the speed, by where steps began.
 #[test]
 fn a_ball_keeps_its_speed_over_a_bend_of_a_compound() {
@@ -104,6 +173,57 @@ fn a_ball_keeps_its_speed_over_a_bend_of_a_compound() {
             let share = f64::from(world.linear_velocity(body).unwrap().length() / speed) / cos;
             let what = format!("{radius} m, {rate} Hz, {stride} radii a step, {angle} degrees, phase {phase}");
             assert!((share - 1.0).abs() < 0.015, "{what}: {share} of what the bend leaves");
+        }
+    }
+}
+
+/// A wall of small triangles is met where the ball comes to it, not where it was when it pressed another: an elastic ball got out of its room at 0.95 radii
+/// a step.
+#[test]
+fn an_elastic_ball_stays_in_a_room_of_small_triangles() {
+    let (count, half) = (5_usize, 0.3_f32);
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for axis in 0..3 {
+        for side in [-1.0_f32, 1.0] {
+            let first = vertices.len() as u32;
+            let along = |number: usize| half * (2.0 * number as f32 / count as f32 - 1.0);
+            for i in 0..=count {
+                for j in 0..=count {
+                    let mut corner = Vec3::ZERO;
+                    (corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3]) = (side * half, along(i), along(j));
+                    vertices.push(corner);
+                }
+            }
+            for i in 0..count as u32 {
+                for j in 0..count as u32 {
+                    let a = first + i * (count as u32 + 1) + j;
+                    let (b, c, d) = (a + 1, a + count as u32 + 1, a + count as u32 + 2);
+                    // Seen from inside.
+                    let pair = if side < 0.0 { [[a, c, b], [b, c, d]] } else { [[a, b, c], [b, d, c]] };
+                    triangles.extend(pair);
+                }
+            }
+        }
+    }
+    for seed in 0..30 {
+        let mut dice = crate::common::oracle::dice(seed);
+        let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, restitution_threshold: 0.0, ..WorldDef::default() }).unwrap();
+        let room = Geometry::TriangleMesh { vertices: vertices.clone(), triangles: triangles.clone() };
+        let mut part = ShapeDef::new(Shape::new(room).unwrap());
+        part.material = Material { friction: 0.0, restitution: 1.0, ..Material::default() };
+        world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(part)).unwrap();
+        let mut part = ShapeDef::new(Shape::ball(0.1).unwrap());
+        part.material = Material { friction: 0.0, restitution: 1.0, ..Material::default() };
+        let mut def = BodyDef::dynamic(Pose { position: dice.vector(0.15), rotation: Quat::IDENTITY }).with_shape(part);
+        (def.mass, def.can_sleep) = (Mass::Total(1.0), false);
+        def.linear_velocity = (dice.direction() * 5.7).as_vec3();
+        let body = world.create_body(&def).unwrap();
+        for step in 0..200 {
+            world.step(1.0 / 60.0).unwrap();
+            let farthest = world.pose(body).unwrap().position.abs().max_element();
+            assert!(farthest < 0.21, "seed {seed}, step {step}: {} radii from a wall", (0.3 - farthest) / 0.1);
+            let speed = world.linear_velocity(body).unwrap().length();
+            assert!((speed / 5.7 - 1.0).abs() < 0.01, "seed {seed}, step {step}: {speed} m/s");
         }
     }
 }

@@ -41,6 +41,9 @@ pub(crate) struct ColliderState {
 /// speak of at a seam. Over what can't be pushed it glides at any speed, for what lies there at rest must not be held by a seam either.
 const MIN_GLIDE: f32 = 1.0e-4;
 
+/// Turn of a body in a step from which on its contacts with what joints hold are looked for along its way (rad).
+const FAR_TURN: f32 = 0.1;
+
 /// Speed, over that of what glides over it, below which a body is still.
 const STILLNESS: f32 = 0.01;
 
@@ -61,6 +64,11 @@ pub(crate) struct Follow<'a> {
 }
 
 impl<'a> Follow<'a> {
+    /// Whether no joint holds the body, and it turns so far in a step of length `dt` (s) that levers of its contacts tell nothing of where they go.
+    pub(super) fn is_free_and_turns(&self, dt: f32) -> bool {
+        !self.is_jointed && self.is_free && self.angular.length() * dt > FAR_TURN
+    }
+
     pub(crate) fn of(collider: &'a Collider, body: &Body) -> Self {
         let is_driven = body.is_mover() && !body.is_free();
         Self {

@@ -7,9 +7,10 @@ use parry3d::math::Pose3;
 
 use super::collider::{Collider, relative};
 use super::collider_state::{ColliderState, Follow};
+use super::found_contacts::FoundContacts;
 use super::narrow::{Manifold, ManifoldPoint, NarrowScratch};
 use super::persistent_manifold::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
-use super::predict::{self, FoundContacts, Reach, Step};
+use super::predict::{self, Reach, Step};
 use super::quantized_pose::{QuantizedPose, coarse, pose_unit};
 use crate::body::Body;
 use crate::contact::ContactImpulses;

@@ -25,8 +25,9 @@ use glam::{Quat, Vec3};
 use parry3d::math::Pose3;
 
 use super::collider_state::{ColliderState, Follow};
+use super::found_contacts::{FoundContacts, nearest_of};
 use super::motion_ahead::{applied, turned};
-use super::narrow::{self, Manifold, NarrowScratch};
+use super::narrow::Manifold;
 use super::persistent_manifold::Manifolds;
 use super::round_features::swung;
 use crate::shape::{Geometry, Shape};
@@ -70,9 +71,10 @@ const PRESSED_STRIDE: f32 = 0.05;
 const SAGITTA: f32 = 2.0e-3;
 
 /// Two shapes in a step.
+#[derive(Clone, Copy)]
 pub(super) struct PairApproach<'a> {
-    a: &'a ColliderState,
-    b: &'a ColliderState,
+    pub(super) a: &'a ColliderState,
+    pub(super) b: &'a ColliderState,
     /// Angular velocities of their bodies in the frames of the shapes (rad/s).
     spins: [Vec3; 2],
     /// Angular velocities of their bodies (rad/s, world axes), and whether the host turns them.
@@ -111,47 +113,9 @@ pub(crate) struct Step {
     pub gravity: Vec3,
 }
 
-/// Buffers and results of the narrow phase.
-pub(super) struct FoundContacts<'a> {
-    pub scratch: &'a mut NarrowScratch,
-    pub manifolds: &'a mut Vec<Manifold>,
-    /// Room for others.
-    pub spare: &'a mut Vec<Manifold>,
-}
-
-impl FoundContacts<'_> {
-    fn collide(&mut self, [shape_a, shape_b]: [&Shape; 2], pose: Pose3, margin: f32) {
-        narrow::collide(shape_a, shape_b, pose, margin, self.scratch, self.manifolds);
-    }
-
-    /// Normal of the nearest point, in A's frame.
-    fn nearest_normal(&self) -> Option<Vec3> {
-        let points = self
-            .manifolds
-            .iter()
-            .flat_map(|manifold| manifold.contacts().iter().map(|point| (point.separation, manifold.normal)));
-        points.reduce(|least, more| if more.0 < least.0 { more } else { least }).map(|(_, normal)| normal)
-    }
-
-    /// Which of the first manifolds are apart by more than this (m), as bits.
-    fn apart_by(&self, least: f32) -> u32 {
-        let apart = self.manifolds.iter().take(u32::BITS as usize).map(|manifold| u32::from(nearest_of(manifold) > least));
-        apart.enumerate().fold(0, |all, (number, is_apart)| all | is_apart << number)
-    }
-
-    fn nearest(&self) -> f32 {
-        self.manifolds.iter().map(nearest_of).fold(f32::INFINITY, f32::min)
-    }
-}
-
 /// Whether either shape has no flat face: which face of two meets is seen where they overlap, and not where they only touch.
 fn touches_at_points(shapes: [&Shape; 2]) -> bool {
     shapes.iter().any(|shape| matches!(shape.geometry(), Geometry::Ball { .. } | Geometry::Capsule { .. }))
-}
-
-/// Least separation of a manifold's points (m).
-pub(super) fn nearest_of(manifold: &Manifold) -> f32 {
-    manifold.contacts().iter().fold(f32::INFINITY, |least, point| least.min(point.separation))
 }
 
 /// Makes the manifolds of two shapes; `start` is the pose of B in A's frame now.
@@ -176,6 +140,11 @@ pub(super) fn collide(
         let is_open = is_round && found.manifolds.is_empty() && shapes.iter().any(|shape| !shape.geometry().is_solid());
         // Flat faces that press are taken as they lie.
         let is_settled = !is_round && reach.is_pressed_along(found.nearest_normal());
+        if is_jointed && !reach.is_pressed && nearest > 0.0 && [of_a, of_b].iter().any(|of| of.is_free_and_turns(step.dt)) {
+            let spins = [a.rotation.conjugate() * of_a.angular, b.rotation.conjugate() * of_b.angular];
+            let approach = PairApproach { a, b, spins, angular: [of_a.angular, of_b.angular], is_turned: [false; 2], step };
+            approach.leave_what_passes_by(shapes, nearest, reach.margin, found);
+        }
         if is_jointed || is_settled || (nearest > reach.motion && !is_open) {
             return;
         }
@@ -226,7 +195,7 @@ impl PairApproach<'_> {
             let (share, turns) = self.look_ahead(shapes, start, (ahead, extent / path), margin, found);
             let apart = found.apart_by(NO_MOTION * extent);
             put_back(found, share, turns);
-            self.follow_parts(shapes, (extent / path, apart), &reach, found);
+            self.follow_parts(shapes, (extent / path, apart), 0.0, &reach, found);
         } else if self.a.is_round || self.b.is_round {
             let began = found.nearest();
             let began_apart = began > 0.0;
@@ -235,13 +204,24 @@ impl PairApproach<'_> {
                 true => self.first_touch(shapes, (began, extent), (share, turns), margin, found),
                 false => (share, turns),
             };
+            let met = if found.nearest() < 0.0 { found.nearest_normal() } else { None };
+            let (mut apart, mut kept) = (0, 0);
             found.manifolds.retain_mut(|manifold| {
-                let is_apart = nearest_of(manifold) >= 0.0;
+                let nearest = nearest_of(manifold);
                 self.put_back(manifold, share * self.step.dt, turns);
                 // What is apart at both ends of its way, beside or behind the other at last, has passed no such plane: it began on the far side
                 // of it. What rebounds from something else would be kept there.
-                !(began_apart && is_apart && nearest_of(manifold) < -FLUSH * extent)
+                let stays = !(began_apart && nearest >= 0.0 && nearest_of(manifold) < -FLUSH * extent);
+                if stays && kept < u32::BITS {
+                    apart |= u32::from(nearest > NO_MOTION * extent) << kept;
+                    kept += 1;
+                }
+                stays
             });
+            if let Some(met) = met {
+                let normal = self.a.rotation * applied(turns[0], met);
+                self.follow_other_parts(shapes, (extent / path, apart), (share, normal), &reach, found);
+            }
         } else {
             let now = found.nearest_normal();
             std::mem::swap(found.manifolds, found.spare);
@@ -281,7 +261,7 @@ impl PairApproach<'_> {
     }
 
     /// How far the two move against each other at most (m), forces of the step left out.
-    fn path(&self) -> f32 {
+    pub(super) fn path(&self) -> f32 {
         let turning = self.turning();
         ((self.b.velocity - self.a.velocity).length() + turning) * self.step.dt
     }

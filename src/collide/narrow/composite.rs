@@ -88,12 +88,13 @@ pub(super) fn part_at(shape: &Shape, id: u32) -> Option<(Part<'_>, Pose3)> {
         return Some((Part::of(&parts.get(id as usize)?.1, &**part)?, *pose));
     }
     if let Some(mesh) = parry.as_trimesh() {
-        let constraints = mesh.triangle_normal_constraints(id);
+        let constraints = mesh.triangle_normal_constraints(id).map(|allowed| without_concave(&mesh.triangle(id), allowed));
         return Some(about_centroid(mesh.triangle(id), |triangle| Part::Triangle { triangle, constraints }));
     }
     if let Some(field) = parry.as_heightfield() {
-        let constraints = allowed_normals(field, id);
-        return Some(about_centroid(field.triangle_at_id(id)?, |triangle| Part::Triangle { triangle, constraints }));
+        let triangle = field.triangle_at_id(id)?;
+        let constraints = allowed_normals(field, id).map(|allowed| without_concave(&triangle, allowed));
+        return Some(about_centroid(triangle, |triangle| Part::Triangle { triangle, constraints }));
     }
     Some((Part::whole(shape)?, Pose3::IDENTITY))
 }
@@ -122,4 +123,26 @@ fn about_centroid<'a>(triangle: Triangle, part: impl FnOnce(Triangle) -> Part<'a
     let center = triangle.center();
     let [a, b, c] = triangle.vertices().map(|corner| corner - center);
     (part(Triangle::new(a, b, c)), Pose3::from_translation(center))
+}
+
+/// The same directions without those across edges at which the surface bends inwards: what comes there rests on the other side.
+///
+/// parry3d allows all directions around the triangle's normal that are as far off it as the nearest neighbour's, along the edge too: marbles that
+/// roll along a groove hit the corners of the facets ahead.
+fn without_concave(triangle: &Triangle, mut allowed: TrianglePseudoNormals) -> TrianglePseudoNormals {
+    let face = allowed.face;
+    let [a, b, c] = triangle.vertices();
+    let outward = [(a, b), (b, c), (c, a)].map(|(from, to)| (to - from).cross(face).normalize_or_zero());
+    for edge in &mut allowed.edges {
+        let lean = *edge - face * face.dot(*edge);
+        // The edge that a normal leans across is the one that it is square to.
+        let across = outward
+            .map(|out| out.dot(lean))
+            .into_iter()
+            .fold(0.0_f32, |most, next| if next.abs() > most.abs() { next } else { most });
+        if across <= 0.0 {
+            *edge = face;
+        }
+    }
+    allowed
 }
