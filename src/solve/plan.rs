@@ -46,6 +46,8 @@ struct BorneTraits {
     is_heavy: bool,
     /// Whether a joint has a motor that does not give, which may close any gap that contacts were looked for in.
     is_driven: bool,
+    /// Whether a joint does more than give as a spring does.
+    is_held: bool,
 }
 
 /// What is known of bodies without joints that touch one another.
@@ -88,8 +90,6 @@ struct IslandTraits {
     is_anchored: bool,
     /// Whether all joints hold points together and do nothing else.
     is_plain: bool,
-    /// Whether a joint does more than give as a spring does.
-    is_held: bool,
     /// Least and greatest inverse mass of what moves (1/kg).
     inverse_masses: [f32; 2],
     touches: bool,
@@ -155,7 +155,7 @@ impl Planner {
             look.joints += 1;
             look.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
             look.is_plain &= link.traits.is_plain;
-            look.is_held |= !link.traits.gives;
+            look.borne.is_held |= !link.traits.gives;
             look.is_limbed |= link.traits.limits_angles;
             look.borne.is_driven |= link.traits.has_rigid_motor;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
@@ -339,7 +339,7 @@ impl IslandTraits {
     /// Whether articulations that touch one another are better swept: nothing that is fixed holds them, or there is more to press than to
     /// hold, as in a heap of ragdolls; or a heap out of which springs draw. Where something heavy presses, as a car on its jack, sweeps do not bear it.
     fn is_heap(&self) -> bool {
-        let is_drawn_from = !self.is_held && self.borne.meetings > self.bodies;
+        let is_drawn_from = !self.borne.is_held && self.borne.meetings > self.bodies;
         (self.articulations >= 2 || is_drawn_from) && self.may_be_heap() && !self.borne.is_heavy
     }
 

@@ -174,6 +174,8 @@ pub(crate) struct Articulation {
     pub(super) rest: f64,
     /// Whether what holds it changes its velocity at once as the next substep begins.
     pub(super) is_jolted: bool,
+    /// Whether forces on any body are others than in its last substep.
+    is_pushed_anew: bool,
     /// Whether a rigid position motor was on its way in the last substep.
     pub(super) is_under_way: bool,
     /// What its servos move.
@@ -231,6 +233,7 @@ impl Articulation {
         self.bodies.clear();
         self.origins.clear();
         self.histories.clear();
+        self.is_pushed_anew = false;
         self.outcome = StepOutcome::default();
     }
 
@@ -246,7 +249,9 @@ impl Articulation {
         self.swept_for = self.swept_for.max(history.swept_for);
         self.origins.push(origin);
         let body = DirectBody::new(slot, velocity, motion);
-        self.histories.push(body.pushed_before(history));
+        let pushed = body.pushed_before(history);
+        self.is_pushed_anew |= pushed != history;
+        self.histories.push(pushed);
         self.is_damped |= body.is_damped();
         let number = self.bodies.len() as u32;
         if !body.is_dynamic() && slot != WORLD_SLOT {
@@ -343,7 +348,9 @@ impl Articulation {
         self.mode = if self.touches.iter().any(ArticulationContact::presses) { Mode::Safe } else { Mode::Smooth };
         (self.continues, self.after_first_order) = (None, false);
         self.is_jolted = self.histories.iter().any(History::is_jolted);
-        if self.is_jolted {
+        // A stop that pressed against a force would go on without it.
+        let is_let_go = self.is_pushed_anew && self.entries.iter().any(|entry| entry.impulses.pressing() != 0);
+        if self.is_jolted || is_let_go {
             self.histories.fill(History::NONE);
         }
         self.stop_at_joints(joints);

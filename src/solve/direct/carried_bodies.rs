@@ -7,14 +7,12 @@
 //! *Riders* are unjointed bodies in contact with an articulation, and what is in contact with them in turn, unless that leads to
 //! another articulation, or to so many bodies or manifolds that an active set is no longer the way to solve them. Whether they press
 //! or are about to is not asked: how a light plank between taut ones will move is known only once its joints are solved, and a load
-//! that it meets unforeseen would be left to sweeps for that step. What tumbles fast is carried only where it presses: it turns exactly by itself.
-
-use glam::Vec3;
+//! that it meets unforeseen would be left to sweeps for that step. What turns fast is carried only where it presses: it turns exactly by itself.
 
 use super::{NO_GROUP, root};
 use crate::solve::contact::ContactInput;
-use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind};
-use crate::tuning::carried::TUMBLE;
+use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::tuning::carried::FAST_TURN;
 
 /// Most bodies that an articulation carries, and most manifolds of theirs.
 pub(crate) const MAX_RIDERS: u32 = 12;
@@ -80,8 +78,8 @@ impl CarriedBodies {
             for (own, other) in [(contact.a, contact.b), (contact.b, contact.a)] {
                 if loose(own) {
                     let carrier = &mut self.carrier[self.set[own as usize] as usize];
-                    let may_ride = contact.is_plain()
-                        && (contact.presses() || !tumbles(&motions[own as usize], velocities[own as usize].angular, h));
+                    let may_ride =
+                        contact.is_plain() && (contact.presses() || velocities[own as usize].angular.length() * h <= FAST_TURN);
                     let wanted = match (may_ride, jointed(other)) {
                         (false, _) => SEVERAL,
                         (true, true) => group[other as usize],
@@ -118,13 +116,4 @@ impl CarriedBodies {
             }
         }
     }
-}
-
-/// Whether the angular momentum of a body turns in it by more than [`TUMBLE`] in a substep of length `h` (s).
-fn tumbles(motion: &BodyMotion, angular: Vec3, h: f32) -> bool {
-    if motion.kind != MotionKind::Tumbling || angular.length() * h <= TUMBLE {
-        return false;
-    }
-    let momentum = motion.angular_momentum(angular);
-    angular.cross(momentum).length() * h > TUMBLE * momentum.length()
 }

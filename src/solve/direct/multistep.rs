@@ -38,8 +38,7 @@ use crate::solve::joint::rows::Rate;
 use crate::step_history::History;
 
 /// Ratios of the lengths of two substeps at which the second may be of second order.
-const RATIOS: std::ops::RangeInclusive<f64> = 0.2..=LONGEST_RATIO;
-pub(super) const LONGEST_RATIO: f64 = 2.2;
+pub(super) const RATIOS: std::ops::RangeInclusive<f64> = 0.2..=2.2;
 
 /// Coefficients of a second-order substep.
 #[derive(Debug, Clone, Copy)]

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use super::articulation::Articulation;
 use super::articulation_state::Mode;
-use super::multistep::{LONGEST_RATIO, LocalError};
+use super::multistep::{LocalError, RATIOS};
 use super::rotors;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
@@ -127,7 +127,7 @@ impl Articulation {
         let wanted = self.noted_substeps();
         // Where steps get longer, so many more that the first can still be of second order.
         let last = self.histories.iter().map(|history| history.h).fold(0.0, f32::max);
-        let reachable = (dt / (LONGEST_RATIO * f64::from(last))).ceil();
+        let reachable = (dt / (RATIOS.end() * f64::from(last))).ceil();
         let wanted = if wanted > 0 && last > 0.0 && reachable <= f64::from(most) { wanted.max(reachable as u32) } else { wanted };
         match self.mode {
             Mode::Safe if wanted > 0 => wanted.min(unknown),
