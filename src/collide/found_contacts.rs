@@ -29,8 +29,8 @@ impl FoundContacts<'_> {
     }
 
     /// Which of the first manifolds are apart by more than this (m), as bits.
-    pub(super) fn apart_by(&self, least: f32) -> u32 {
-        let apart = self.manifolds.iter().take(u32::BITS as usize).map(|manifold| u32::from(nearest_of(manifold) > least));
+    pub(super) fn apart_by(&self, least: f32) -> u128 {
+        let apart = self.manifolds.iter().take(u128::BITS as usize).map(|manifold| u128::from(nearest_of(manifold) > least));
         apart.enumerate().fold(0, |all, (number, is_apart)| all | is_apart << number)
     }
 

@@ -28,7 +28,7 @@ impl PairApproach<'_> {
     pub(super) fn follow_parts(
         &self,
         shapes: [&Shape; 2],
-        (short, apart): (f32, u32),
+        (short, apart): (f32, u128),
         from: f32,
         reach: &Reach,
         found: &mut FoundContacts,
@@ -44,9 +44,9 @@ impl PairApproach<'_> {
             self.put_back(&mut then, -dt, [Quat::IDENTITY; 2]);
             nearest_of(&then) < 0.0
         };
-        let (mut ahead, mut missed) = (0_u32, 0_u32);
-        for (number, manifold) in found.manifolds.iter().enumerate().take(u32::BITS as usize) {
-            ahead |= u32::from(apart >> number & 1 == 1 && !bears(manifold) && would_act(manifold)) << number;
+        let (mut ahead, mut missed) = (0_u128, 0_u128);
+        for (number, manifold) in found.manifolds.iter().enumerate().take(u128::BITS as usize) {
+            ahead |= u128::from(apart >> number & 1 == 1 && !bears(manifold) && would_act(manifold)) << number;
         }
         let strides = ((1.0 - from) / (STRIDE * short)).ceil().max(1.0);
         if ahead == 0 || strides > MAX_STRIDES {
@@ -86,10 +86,10 @@ impl PairApproach<'_> {
             stride += 1.0;
         }
         std::mem::swap(found.manifolds, found.spare);
-        let mut number = 0;
+        let mut number = 0_u32;
         found.manifolds.retain(|_| {
             number += 1;
-            number > u32::BITS || missed >> (number - 1) & 1 == 0
+            number > u128::BITS || missed >> (number - 1) & 1 == 0
         });
     }
 
@@ -98,7 +98,7 @@ impl PairApproach<'_> {
     pub(super) fn follow_other_parts(
         &self,
         shapes: [&Shape; 2],
-        (short, apart): (f32, u32),
+        (short, apart): (f32, u128),
         (share, normal): (f32, Vec3),
         reach: &Reach,
         found: &mut FoundContacts,

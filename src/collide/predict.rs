@@ -205,15 +205,15 @@ impl PairApproach<'_> {
                 false => (share, turns),
             };
             let met = if found.nearest() < 0.0 { found.nearest_normal() } else { None };
-            let (mut apart, mut kept) = (0, 0);
+            let (mut apart, mut kept) = (0_u128, 0);
             found.manifolds.retain_mut(|manifold| {
                 let nearest = nearest_of(manifold);
                 self.put_back(manifold, share * self.step.dt, turns);
                 // What is apart at both ends of its way, beside or behind the other at last, has passed no such plane: it began on the far side
                 // of it. What rebounds from something else would be kept there.
                 let stays = !(began_apart && nearest >= 0.0 && nearest_of(manifold) < -FLUSH * extent);
-                if stays && kept < u32::BITS {
-                    apart |= u32::from(nearest > NO_MOTION * extent) << kept;
+                if stays && kept < u128::BITS {
+                    apart |= u128::from(nearest > NO_MOTION * extent) << kept;
                     kept += 1;
                 }
                 stays

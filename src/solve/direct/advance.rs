@@ -8,7 +8,6 @@ use super::multistep::SecondOrder;
 use super::rotors;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
-use crate::step_history::History;
 
 /// How often a substep may be halved.
 const MAX_HALVINGS: u32 = 4;
@@ -69,7 +68,7 @@ impl Articulation {
             // What moved smoothly took few substeps, too long for one of first order.
             let parts = (h / self.world_substep).round() as u32;
             if parts > 1 {
-                self.histories.fill(History::NONE);
+                self.forget_histories();
                 self.continues = None;
                 return Some(self.advance_in_parts(joints, h, parts, depth, before));
             }
@@ -94,14 +93,14 @@ impl Articulation {
             if is_jolted || self.is_under_way || meets_stop || (self.has_soft_stops && self.note_spring_phase(joints, h)) {
                 // Neither a blow is what the bodies go on with, be it of a stop or of what holds them, nor a motor that may brake in the next substep, nor a spring that no substep
                 // resolves.
-                self.histories.fill(History::NONE);
+                self.forget_histories();
                 self.continues = None;
             }
             return Some(error);
         }
         self.mode = Mode::Safe;
         self.order = SecondOrder::EULER;
-        self.histories.fill(History::NONE);
+        self.forget_histories();
         self.continues = None;
         self.restore();
         // What moved smoothly took few substeps, and what it has met has had no say in how many.

@@ -249,9 +249,9 @@ impl Articulation {
         self.swept_for = self.swept_for.max(history.swept_for);
         self.origins.push(origin);
         let body = DirectBody::new(slot, velocity, motion);
-        let pushed = body.pushed_before(history);
-        self.is_pushed_anew |= pushed != history;
-        self.histories.push(pushed);
+        let mut history = history;
+        self.is_pushed_anew |= body.push_before(&mut history, [motion.acceleration, motion.torque]);
+        self.histories.push(history);
         self.is_damped |= body.is_damped();
         let number = self.bodies.len() as u32;
         if !body.is_dynamic() && slot != WORLD_SLOT {
@@ -259,6 +259,11 @@ impl Articulation {
         }
         self.bodies.push(body);
         number
+    }
+
+    /// Forgets the last substep.
+    pub(super) fn forget_histories(&mut self) {
+        self.histories.iter_mut().for_each(|history| *history = History { pushed: history.pushed, ..History::NONE });
     }
 
     /// Takes in a joint between bodies of these numbers.
@@ -351,7 +356,7 @@ impl Articulation {
         // A stop that pressed against a force would go on without it.
         let is_let_go = self.is_pushed_anew && self.entries.iter().any(|entry| entry.impulses.pressing() != 0);
         if self.is_jolted || is_let_go {
-            self.histories.fill(History::NONE);
+            self.forget_histories();
         }
         self.stop_at_joints(joints);
         let energy = self.energy();

@@ -13,7 +13,7 @@ use super::super::joint::rows::Rate;
 use super::super::rotation::{self, SubstepRotation, Top};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use crate::linalg::narrowing;
-use crate::step_history::History;
+use crate::step_history::{History, Twist};
 
 /// Largest rotation by which a projection turns a body at once (rad); beyond it a lever's direction has no meaning.
 const MAX_PROJECTED_TURN: f64 = 0.5;
@@ -178,20 +178,21 @@ impl DirectBody {
         Rate { linear: rate.linear + self.acceleration * after, angular: rate.angular + self.torque * after }
     }
 
-    /// Its last substep as it would have been with the forces of now, which may act for this step alone.
+    /// Makes its last substep what it would have been with the forces of now, which may act for this step alone: the acceleration and torque `now`
+    /// (m/s², N·m). Whether there is one, and they are others.
     ///
     /// What a two-step method takes from the last substep is an impulse that is neither given nor taken where forces change: of a force that acts for
     /// one step, in which substeps get shorter, joints passed on three quarters. What the change Δa would have done in that substep of length h is
     /// h Δa in the velocity and ½ h² Δa on the way. With it a constant force gives exactly its impulse, wherever it sets in.
-    pub(super) fn pushed_before(&self, mut history: History) -> History {
-        let now = [narrowing::impulse(self.acceleration), narrowing::impulse(self.torque)];
-        if history.h <= 0.0 || history.pushed == now || !self.is_dynamic() {
-            return history;
+    pub(super) fn push_before(&self, history: &mut History, now: Twist) -> bool {
+        let before = std::mem::replace(&mut history.pushed, now);
+        if history.h <= 0.0 || before == now || !self.is_dynamic() {
+            return false;
         }
         let h = history.h;
         let along = DVec3::select(self.undamped.cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO).as_vec3();
-        let push = (now[0] - history.pushed[0]) * along;
-        let about = now[1] - history.pushed[1];
+        let push = (now[0] - before[0]) * along;
+        let about = now[1] - before[1];
         history.linear_before -= push * h;
         history.acceleration += push;
         history.displacement -= push * (0.5 * h * h);
@@ -201,8 +202,7 @@ impl DirectBody {
             let gained = masked(self.inertia_at(&(DVec3::ZERO, DQuat::IDENTITY)).inverse(), self.top.free) * about.as_dvec3();
             history.turn -= gained.as_vec3() * (0.5 * h * h);
         }
-        history.pushed = now;
-        history
+        true
     }
 
     /// Adds a substep's forces.

@@ -26,7 +26,6 @@ use super::articulation::Articulation;
 use super::impact::StopState;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
-use crate::step_history::History;
 use crate::tuning::soft_stops::{AT_REST, HARD_PHASE, PART_PHASE};
 
 /// Part of [`PART_PHASE`] that is the first whole one; those before it are half of the next each. What a damper does all at once is left to a
@@ -117,7 +116,7 @@ impl Articulation {
         }
         if rest > 0.0 {
             // Forces of before say nothing of those from here on.
-            self.histories.fill(History::NONE);
+            self.forget_histories();
             self.continues = None;
             for part in parts(rest, whole.min(rest)) {
                 take(self, part);

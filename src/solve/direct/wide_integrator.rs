@@ -284,7 +284,6 @@ fn note_body<F: Four>(
         let (displacement, momentum) = (displacement.each(), momentum.each());
         let (acceleration, torque) = (acceleration.each(), torque.each());
         let (linear_before, linear, angular) = (linear_before.each(), linear.each(), angular.each());
-        let pushed = (Vec3x4::<F>::load(&quad.acceleration).each(), Vec3x4::<F>::load(&quad.torque).each());
         for j in 0..quad.count {
             let turn = if is_small[j] { turn[j] } else { rotation_vector_near(change[j], angular[j] * h) };
             histories[quad.at(j)] = History {
@@ -298,7 +297,7 @@ fn note_body<F: Four>(
                 momentum_before: narrowing::impulse(momentum[j]),
                 acceleration: narrowing::impulse(acceleration[j]),
                 torque: narrowing::impulse(torque[j]),
-                pushed: [narrowing::impulse(pushed.0[j]), narrowing::impulse(pushed.1[j])],
+                pushed: histories[quad.at(j)].pushed,
                 jerk: if order.ratio > 0.0 { histories[quad.at(j)].jerk } else { Vec3::ZERO },
                 linear: narrowing::speed(linear[j]),
                 angular: narrowing::speed(angular[j]),
