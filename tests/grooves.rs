@@ -205,7 +205,8 @@ fn an_elastic_ball_stays_in_a_room_of_small_triangles() {
             }
         }
     }
-    for seed in 0..30 {
+    // At more than a radius a step, what has just rebounded from one wall meets the next within the same step: it carries no load then.
+    for (seed, speed) in (0..30).map(|seed| (seed, 5.7)).chain((0..20).map(|seed| (seed, 7.8))) {
         let mut dice = crate::common::oracle::dice(seed);
         let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, restitution_threshold: 0.0, ..WorldDef::default() }).unwrap();
         let room = Geometry::TriangleMesh { vertices: vertices.clone(), triangles: triangles.clone() };
@@ -216,14 +217,15 @@ fn an_elastic_ball_stays_in_a_room_of_small_triangles() {
         part.material = Material { friction: 0.0, restitution: 1.0, ..Material::default() };
         let mut def = BodyDef::dynamic(Pose { position: dice.vector(0.15), rotation: Quat::IDENTITY }).with_shape(part);
         (def.mass, def.can_sleep) = (Mass::Total(1.0), false);
-        def.linear_velocity = (dice.direction() * 5.7).as_vec3();
+        def.linear_velocity = (dice.direction() * speed).as_vec3();
         let body = world.create_body(&def).unwrap();
         for step in 0..200 {
             world.step(1.0 / 60.0).unwrap();
             let farthest = world.pose(body).unwrap().position.abs().max_element();
-            assert!(farthest < 0.21, "seed {seed}, step {step}: {} radii from a wall", (0.3 - farthest) / 0.1);
-            let speed = world.linear_velocity(body).unwrap().length();
-            assert!((speed / 5.7 - 1.0).abs() < 0.01, "seed {seed}, step {step}: {speed} m/s");
+            let what = format!("{speed} m/s, seed {seed}, step {step}");
+            assert!(farthest < 0.21, "{what}: {} radii from a wall", (0.3 - farthest) / 0.1);
+            let kept = world.linear_velocity(body).unwrap().length() / speed as f32;
+            assert!((kept - 1.0).abs() < 0.01, "{what}: {kept} of its speed");
         }
     }
 }

@@ -171,7 +171,7 @@ pub(super) fn collide(
 impl PairApproach<'_> {
     /// Collides the two as they will stand; of a pair that carries no load, what there is at the start has been found.
     fn collide(&self, shapes: [&Shape; 2], start: Pose3, reach: Reach, found: &mut FoundContacts) {
-        let Reach { margin, is_pressed, .. } = reach;
+        let Reach { margin, mut is_pressed, .. } = reach;
         // A surface has no thickness that could be passed.
         let thickness = |shape: &Shape, collider_state: &ColliderState| {
             if shape.geometry().is_solid() { collider_state.least_extent } else { f32::INFINITY }
@@ -191,8 +191,15 @@ impl PairApproach<'_> {
         let put_back = |found: &mut FoundContacts, share: f32, turns: [Quat; 2]| {
             found.manifolds.iter_mut().for_each(|manifold| self.put_back(manifold, share * self.step.dt, turns));
         };
+        let is_far = ahead * path > PRESSED_STRIDE * extent;
+        if is_pressed && is_far {
+            found.collide(shapes, start, margin);
+            // What has rebounded carries no load any more: it is to meet what comes next anew. What falls back within the step is loaded soon.
+            let fall = 0.5 * self.step.dt * self.b.falls_against(self.a, self.step.gravity, self.step.dt).length();
+            is_pressed = found.nearest() <= FLUSH * extent + fall;
+        }
         if is_pressed {
-            let (share, turns) = self.look_ahead(shapes, start, (ahead, extent / path), margin, found);
+            let (share, turns) = self.look_ahead(shapes, (ahead, extent / path), margin, found);
             let apart = found.apart_by(NO_MOTION * extent);
             put_back(found, share, turns);
             self.follow_parts(shapes, (extent / path, apart), 0.0, &reach, found);
@@ -274,11 +281,10 @@ impl PairApproach<'_> {
     }
 
     /// Looks at a loaded pair so far ahead, or less far if its surfaces bend; `short` is the share of the step in which it moves by the
-    /// lesser least extent. Share of the step, and how both are turned then.
+    /// lesser least extent. Of what goes far, the manifolds at the start have been found. Share of the step, and how both are turned then.
     fn look_ahead(
         &self,
         shapes: [&Shape; 2],
-        start: Pose3,
         (ahead, short): (f32, f32),
         margin: f32,
         found: &mut FoundContacts,
@@ -286,7 +292,6 @@ impl PairApproach<'_> {
         let near = ahead.min(PRESSED_STRIDE * short);
         let far = ahead.min(STRIDE * short);
         if far > near {
-            found.collide(shapes, start, margin);
             let now = found.nearest_normal().map(|normal| self.a.rotation * normal);
             let turns = self.look(shapes, far, margin, found);
             let then = found.nearest_normal().map(|normal| self.a.rotation * applied(turns[0], normal));

@@ -35,6 +35,10 @@ use crate::shape::Geometry;
 /// How far behind a point, in distances of which surfaces are flush, K is looked for above J's plane.
 const BEHIND: f32 = 10.0;
 
+/// Shares of that at which a surface is looked for as well, at twice that distance above the plane: seen from one of them or from `BEHIND`, every slope
+/// from 6 degrees to upright passes within the distance of which surfaces are flush.
+const NEARER: [f32; 4] = [0.0, 0.1, 0.25, 0.5];
+
 /// Cosine between two normals from which on they press alike: points of a face of K support what lies on it.
 const ALIKE: f32 = 0.9;
 
@@ -171,7 +175,13 @@ impl Ground<'_> {
         let mover = if glide.is_second { b } else { a };
         let (collider_state, sign) = (index.collider_state(shape), if glide.is_second { 1.0 } else { -1.0 });
         let turn_a = index.collider_state(a).rotation;
-        let flush = FLUSH * index.least_extent(glide.key);
+        // A surface has no thickness, and a flat one no extent either.
+        let extent_of = |shape: u32| match colliders[shape].shape.geometry().is_solid() {
+            true => index.collider_state(shape).least_extent,
+            false => f32::INFINITY,
+        };
+        let extent = extent_of(a).min(extent_of(b));
+        let flush = FLUSH * if extent.is_finite() { extent } else { index.least_extent(glide.key) };
         for (number, manifold) in pair.manifolds.iter().enumerate() {
             let part = narrow::parts_of(&colliders[b].shape, manifold.part)[usize::from(!glide.is_second)];
             let normal_of = |normal: Vec3| turn_a * normal * sign;
@@ -257,7 +267,11 @@ impl Ground<'_> {
         let is_convex = self.colliders[e.shape].shape.geometry().is_solid() && !self.colliders[e.shape].shape.is_compound();
         let rises_beside = is_convex && (rises(e.shape, behind + beside) || rises(e.shape, behind - beside));
         let is_walled = is_filled(behind + aside) && is_filled(behind - aside);
-        is_covered && !(rises(e.shape, behind) || rises_beside || is_walled)
+        // A surface has nothing behind it: a wall of triangles rises at e, a steep slope of them before what lies behind.
+        let is_solid = self.colliders[e.shape].shape.geometry().is_solid();
+        let nearer = if is_solid { &NEARER[..0] } else { &NEARER };
+        let rises_before = nearer.iter().any(|&share| rises(e.shape, behind - (further * (1.0 - share)).as_dvec3()));
+        is_covered && !(rises(e.shape, behind) || rises_beside || rises_before || is_walled)
     }
 
     /// Whether e lies ahead of or behind a round shape that J keeps above its plane, between points that it touches J at or those that it would
