@@ -23,6 +23,7 @@ mod driven_into;
 mod events;
 mod falling;
 mod far_origin;
+mod fast_blades;
 mod fast_bodies;
 mod flush_floors;
 mod fracture;

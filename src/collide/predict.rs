@@ -194,9 +194,11 @@ impl PairApproach<'_> {
         let is_far = ahead * path > PRESSED_STRIDE * extent;
         if is_pressed && is_far {
             found.collide(shapes, start, margin);
-            // What has rebounded carries no load any more: it is to meet what comes next anew. What falls back within the step is loaded soon.
+            // What has rebounded from a surface carries no load any more, and passes the triangles around: it is to meet what comes next anew. What
+            // falls back within the step is loaded soon.
+            let is_surface = shapes.iter().any(|shape| !shape.geometry().is_solid());
             let fall = 0.5 * self.step.dt * self.b.falls_against(self.a, self.step.gravity, self.step.dt).length();
-            is_pressed = found.nearest() <= FLUSH * extent + fall;
+            is_pressed = !is_surface || found.nearest() <= FLUSH * extent + fall;
         }
         if is_pressed {
             let (share, turns) = self.look_ahead(shapes, (ahead, extent / path), margin, found);

@@ -14,7 +14,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::{Islands, Movers, World};
@@ -56,6 +56,18 @@ pub(super) struct Sweeps {
 
 fn mass_of(body: &Body) -> f64 {
     body.mass.map_or(1.0, |mass| f64::from(mass.mass))
+}
+
+/// Angular velocity of a body once it is turned like this (rad/s), as it has not been struck on the way that it goes back: that of its angular momentum, or
+/// where that would be more energy, as a hit has changed how it turns since, the one that it has in its own axes.
+fn spin_at(body: &Body, rotation: Quat) -> Vec3 {
+    let Some(mass) = body.mass.filter(|_| body.settings.locked_axes.rotation == [false; 3]) else { return body.angular_velocity };
+    let [now, then] = [body.rotation, rotation].map(|rotation| rotation * mass.inertia_frame);
+    let own = now.conjugate() * body.angular_velocity;
+    let momentum = now * (mass.principal_inertia * own);
+    let with_momentum = (then.conjugate() * momentum) / mass.principal_inertia;
+    let energy = |spin: Vec3| spin.dot(mass.principal_inertia * spin);
+    then * if energy(with_momentum) <= energy(own) { with_momentum } else { own }
 }
 
 impl World {
@@ -306,6 +318,9 @@ impl World {
                     let kept = (1.0 - 2.0 * work / square).max(0.0).sqrt() as f32;
                     body.linear_velocity = (body.linear_velocity + along * (kept - 1.0)).clamp_length_max(MAX_LINEAR_SPEED);
                 }
+            }
+            if body.is_free() && body.joints.is_empty() {
+                body.angular_velocity = spin_at(body, stop.rotation);
             }
             (body.center, body.rotation) = (stop.center, stop.rotation);
             self.shapes_follow(index);
