@@ -17,6 +17,7 @@
 //!
 //! Where pieces move, e must be so at the step's end, too, as J and K move there. Round shapes roll over what is flat and held by joints.
 
+use std::cell::Cell;
 use std::f32::consts::FRAC_1_SQRT_2;
 
 use glam::{DVec3, Vec3};
@@ -48,6 +49,10 @@ const UPRIGHT: f32 = 1.0e-4;
 /// How far to the side of where it is a point may be found, over its separation: faces stand for directions whose distance they give to a
 /// share of 0.002, and may be turned from them by √(2·0.002).
 const UNSURE: f32 = 0.07;
+
+/// Most faces that are asked, for all points of a body together, whether they carry it over them: some 5 ms, and twice what a pin of seven parts
+/// asks of the floor as it flies past ten others. Points beyond those stay.
+const MAX_TRIALS: u32 = 131_072;
 
 /// A pair of which one body moves over the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -108,6 +113,8 @@ struct GlidePoint {
     flush: f32,
     /// Whether it lies on a face of that shape.
     is_face: bool,
+    /// Place in the list of the first point of its manifold.
+    first: usize,
 }
 
 /// Buffers of the stage.
@@ -115,6 +122,9 @@ struct GlidePoint {
 pub(super) struct Seams {
     glides: Vec<Glide>,
     points: Vec<GlidePoint>,
+    /// Those of them that lie on faces, and shapes that any are on.
+    faces: Vec<u32>,
+    shapes: Vec<u32>,
     corners: narrow::Corners,
 }
 
@@ -122,7 +132,7 @@ impl World {
     /// Leaves out contacts with the edges of flush neighbours of what a body moves over.
     pub(super) fn leave_out_seams(&mut self, dt: f32) {
         let Self { collision: Collision { pairs, index, .. }, colliders, bodies, scratch, .. } = self;
-        let Seams { glides, points, corners } = &mut scratch.seams;
+        let Seams { glides, points, faces, shapes, corners } = &mut scratch.seams;
         glides.clear();
         scratch.glides.iter_mut().for_each(|found| glides.append(found));
         glides.sort_unstable();
@@ -136,8 +146,15 @@ impl World {
             for glide in glides {
                 ground.list_points(glide, pairs.get(glide.slot), corners, points);
             }
+            shapes.clear();
+            shapes.extend(points.iter().map(|point| point.shape));
+            shapes.sort_unstable();
+            shapes.dedup();
+            faces.clear();
+            faces.extend((0_u32..).zip(&*points).filter(|(_, point)| point.is_face).map(|(place, _)| place));
+            let ways = Ways { points, faces, shapes, trials_left: Cell::new(MAX_TRIALS) };
             for manifold in points.chunk_by(|a, b| (a.slot, a.number) == (b.slot, b.number)) {
-                let carrier_of = |e: &GlidePoint| points.iter().find(|f| ground.carries(f, e, points));
+                let carrier_of = |e: &GlidePoint| ways.faces().find(|f| ground.carries(f, e, &ways));
                 let first = &manifold[0];
                 // Of what may move most lies on faces, in heaps, and its sides stand in nobody's way: only edges do.
                 if first.is_face && !index.collider_state(first.shape).is_unmoved() {
@@ -154,6 +171,34 @@ impl World {
                 }
             }
         }
+    }
+}
+
+/// All that one body moves over.
+struct Ways<'a> {
+    points: &'a [GlidePoint],
+    /// Those of them that lie on faces.
+    faces: &'a [u32],
+    /// Shapes that any are on.
+    shapes: &'a [u32],
+    /// Faces that are yet asked whether they carry the body over a point.
+    trials_left: Cell<u32>,
+}
+
+impl<'a> Ways<'a> {
+    /// Points on faces, as long as any are asked.
+    fn faces(&self) -> impl Iterator<Item = &'a GlidePoint> {
+        let asks = |_: &&u32| {
+            let left = self.trials_left.get();
+            self.trials_left.set(left.saturating_sub(1));
+            left > 0
+        };
+        self.faces.iter().take_while(asks).map(|&place| &self.points[place as usize])
+    }
+
+    /// Whether something holds of a shape that is none of those of two points.
+    fn any_other(&self, [f, e]: [&GlidePoint; 2], holds: impl Fn(u32) -> bool) -> bool {
+        self.shapes.iter().any(|&shape| shape != f.shape && shape != e.shape && holds(shape))
     }
 }
 
@@ -186,6 +231,7 @@ impl Ground<'_> {
             let part = narrow::parts_of(&colliders[b].shape, manifold.part)[usize::from(!glide.is_second)];
             let normal_of = |normal: Vec3| turn_a * normal * sign;
             let is_face = self.is_face((mover, shape), part, normal_of(manifold.normal));
+            let first = points.len();
             let of = |normal: Vec3, point: usize, at: Vec3, separation: f32| GlidePoint {
                 slot: glide.slot,
                 number,
@@ -198,11 +244,11 @@ impl Ground<'_> {
                 separation,
                 flush,
                 is_face,
+                first,
             };
             let on_still = |on_a: Vec3, on_b: Vec3| if glide.is_second { on_a } else { on_b };
             let places = manifold.points.iter().enumerate();
             points.extend(places.map(|(i, place)| of(manifold.normal, i, on_still(place.on_a, place.on_b), place.separation)));
-            let first = points.len() - manifold.points.len();
             if is_face {
                 continue;
             }
@@ -216,15 +262,15 @@ impl Ground<'_> {
         }
     }
 
-    /// Whether the surface at `f` carries what moves so that it does not meet `e`; `points` are all of what moves.
-    fn carries(&self, f: &GlidePoint, e: &GlidePoint, points: &[GlidePoint]) -> bool {
+    /// Whether the surface at `f` carries what moves so that it does not meet `e`; `ways` are all of what moves.
+    fn carries(&self, f: &GlidePoint, e: &GlidePoint, ways: &Ways) -> bool {
         let is_same = f.shape == e.shape && (f.part == e.part || !self.colliders[e.shape].shape.is_compound());
         let alignment = e.normal.dot(f.normal);
         if is_same {
             return false;
         }
         let into = f.normal * alignment - e.normal;
-        if into.length_squared() < UPRIGHT * UPRIGHT || !f.is_face || (alignment >= ALIKE && e.is_face) {
+        if into.length_squared() < UPRIGHT * UPRIGHT || (alignment >= ALIKE && e.is_face) {
             return false;
         }
         let further = into.normalize() * (BEHIND * e.flush);
@@ -240,49 +286,49 @@ impl Ground<'_> {
         if lowest > e.flush + unsure {
             return false;
         }
-        let is_held_above = highest <= e.flush && self.is_rolled_over(f, e, into, points);
+        let is_held_above = highest <= e.flush && self.is_rolled_over(f, e, into, ways);
         // What fell has points of the pose that it would have had below the plane: of a side that ends at the plane, they are no more.
         let is_at_plane = highest <= e.flush && lowest >= -(e.flush + depth);
         if !is_at_plane && !is_held_above {
-            let is_met = highest > 0.0 && self.distance(e.shape, e.at + further.as_dvec3()) < e.flush;
-            if is_met || self.distance(e.shape, at) > e.flush {
+            let is_met = highest > 0.0 && self.distance(e.shape, e.at + further.as_dvec3(), e.flush) < e.flush;
+            if is_met || self.distance(e.shape, at, e.flush) > e.flush {
                 return false;
             }
         }
         let behind = at + (f.normal * (2.0 * e.flush) + further).as_dvec3();
         let above = (f.normal * (2.0 * e.flush)).as_dvec3();
         // Also where a third one lies there, flush with J: what comes over a corner meets the tile across it before those beside it press.
-        let lies_there = |shape: u32| self.distance(shape, at) <= e.flush && self.distance(shape, at + above) >= e.flush;
-        let is_covered = is_held_above
-            || self.distance(f.shape, at) <= e.flush
-            || points.iter().any(|other| other.shape != f.shape && other.shape != e.shape && lies_there(other.shape));
+        let distance = |shape: u32, place: DVec3| self.distance(shape, place, e.flush);
+        let lies_there = |shape: u32| distance(shape, at) <= e.flush && distance(shape, at + above) >= e.flush;
+        let is_covered = is_held_above || distance(f.shape, at) <= e.flush || ways.any_other([f, e], lies_there);
+        if !is_covered {
+            return false;
+        }
         // What lies against a side of J does so to both hands of e; what rises beside the way does to one.
-        let rises = |shape: u32, place: DVec3| self.distance(shape, place) < e.flush;
+        let rises = |shape: u32, place: DVec3| distance(shape, place) < e.flush;
         let aside = (f.normal.cross(further).normalize() * (2.0 * e.flush)).as_dvec3();
-        let is_filled = |place: DVec3| {
-            points.iter().any(|other| other.shape != f.shape && other.shape != e.shape && rises(other.shape, place))
-        };
+        let is_filled = |place: DVec3| ways.any_other([f, e], |shape| rises(shape, place));
         // A point that goes with another one's normal may lie at a corner, from where that leads beside K. What is convex and flush rises nowhere.
         let beside = f.normal.cross(further).as_dvec3();
         let is_convex = self.colliders[e.shape].shape.geometry().is_solid() && !self.colliders[e.shape].shape.is_compound();
-        let rises_beside = is_convex && (rises(e.shape, behind + beside) || rises(e.shape, behind - beside));
-        let is_walled = is_filled(behind + aside) && is_filled(behind - aside);
+        let rises_beside = || is_convex && (rises(e.shape, behind + beside) || rises(e.shape, behind - beside));
+        let is_walled = || is_filled(behind + aside) && is_filled(behind - aside);
         // A surface has nothing behind it: a wall of triangles rises at e, a steep slope of them before what lies behind.
         let is_solid = self.colliders[e.shape].shape.geometry().is_solid();
         let nearer = if is_solid { &NEARER[..0] } else { &NEARER };
-        let rises_before = nearer.iter().any(|&share| rises(e.shape, behind - (further * (1.0 - share)).as_dvec3()));
-        is_covered && !(rises(e.shape, behind) || rises_beside || rises_before || is_walled)
+        let rises_before = || nearer.iter().any(|&share| rises(e.shape, behind - (further * (1.0 - share)).as_dvec3()));
+        !(rises(e.shape, behind) || rises_beside() || rises_before() || is_walled())
     }
 
     /// Whether e lies ahead of or behind a round shape that J keeps above its plane, between points that it touches J at or those that it would
     /// roll to from there: it does not tip over to a side then, and comes to no point of that plane or below it in this step.
-    fn is_rolled_over(&self, f: &GlidePoint, e: &GlidePoint, into: Vec3, points: &[GlidePoint]) -> bool {
+    fn is_rolled_over(&self, f: &GlidePoint, e: &GlidePoint, into: Vec3, ways: &Ways) -> bool {
         if f.mover != e.mover || !self.index.collider_state(e.mover).is_round {
             return false;
         }
         let across = f.normal.cross(into).normalize();
         let unsure = e.flush + UNSURE * e.separation.max(0.0);
-        let on_j = points.iter().filter(|other| (other.slot, other.number) == (f.slot, f.number));
+        let on_j = ways.points[f.first..].iter().take_while(|other| other.first == f.first);
         let aside = on_j.map(|other| across.dot((other.at - e.at).as_vec3()));
         let (least, most) =
             aside.fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), aside| (least.min(aside), most.max(aside)));
@@ -297,7 +343,7 @@ impl Ground<'_> {
         let normal = still.rotation * normal?;
         let ahead = (f.normal * e.normal.dot(f.normal) - e.normal).normalize();
         let above = normal * (2.0 * e.flush);
-        let is_beside = self.distance(e.shape, e.at + above.as_dvec3()) > e.flush;
+        let is_beside = self.distance(e.shape, e.at + above.as_dvec3(), e.flush) > e.flush;
         (is_beside && normal.dot(f.normal) >= ALIKE && normal.dot(ahead) < -UPRIGHT).then_some(normal)
     }
 
@@ -341,12 +387,10 @@ impl Ground<'_> {
         narrow::is_face_normal(&self.colliders[shape].shape, part, normal, is_exact)
     }
 
-    /// From a shape to a place (m); zero inside.
-    fn distance(&self, shape: u32, at: DVec3) -> f32 {
+    /// From a shape to a place (m), or infinite where that is more than `most`; zero inside.
+    fn distance(&self, shape: u32, at: DVec3, most: f32) -> f32 {
         let collider_state = self.index.collider_state(shape);
-        narrow::distance_to(
-            &self.colliders[shape].shape,
-            collider_state.rotation.conjugate() * (at - collider_state.position).as_vec3(),
-        )
+        let at = collider_state.rotation.conjugate() * (at - collider_state.position).as_vec3();
+        narrow::distance_up_to(&self.colliders[shape].shape, at, most)
     }
 }

@@ -14,6 +14,8 @@
 
 use glam::Vec3;
 use parry3d::math::Pose3;
+use parry3d::query::PointQuery;
+use parry3d::shape::CompositeShapeRef;
 
 use crate::shape::{Geometry, Shape};
 
@@ -179,9 +181,19 @@ pub(crate) fn is_face_normal(shape: &Shape, part: u32, direction: Vec3, is_exact
     face.is_some_and(|normal| (normal - direction).length_squared() < same * same)
 }
 
-/// Distance from a shape to a point in its frame (m); zero inside.
-pub(crate) fn distance_to(shape: &Shape, point: Vec3) -> f32 {
-    shape.parry().distance_to_local_point(point, true)
+/// Distance from a shape to a point in its frame (m), zero inside; infinite where it is more than twice `most`. Most of what is asked lies far
+/// off: boxes around the shape and its parts tell that, and no search for the nearest point begins.
+pub(crate) fn distance_up_to(shape: &Shape, point: Vec3, most: f32) -> f32 {
+    let (parry, reach) = (shape.parry(), 2.0 * most);
+    if parry.compute_local_aabb().distance_to_local_point(point, true) > reach {
+        return f32::INFINITY;
+    }
+    let nearest = match parry.as_compound() {
+        Some(compound) => CompositeShapeRef(compound).project_local_point(point, reach, true).map(|(_, nearest)| nearest),
+        None if shape.geometry().is_solid() => return parry.distance_to_local_point(point, true),
+        None => parry.project_local_point_with_max_dist(point, true, reach),
+    };
+    nearest.map_or(f32::INFINITY, |nearest| (point - nearest.point).length())
 }
 
 fn collide_parts(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
