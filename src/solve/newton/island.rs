@@ -50,6 +50,8 @@ pub(super) struct CoupledOutcome {
     pub(super) strain: f64,
     /// Whether joints give way in it.
     gives: bool,
+    /// Factorisations that it has taken in longer substeps, in vain.
+    pub(super) spent: u32,
     /// Whether others are to take the step.
     is_rejected: bool,
     /// Whether it is to take the step, which it has not taken yet or is to take again.
@@ -138,8 +140,8 @@ impl CoupledIsland {
         self.rates.clear();
         self.local_poses.clear();
         self.patches.clear();
-        let gives = self.outcome.gives;
-        (self.outcome, self.handed_out) = (CoupledOutcome { is_pending: true, gives, ..CoupledOutcome::default() }, 0);
+        let CoupledOutcome { gives, spent, .. } = self.outcome;
+        (self.outcome, self.handed_out) = (CoupledOutcome { is_pending: true, gives, spent, ..CoupledOutcome::default() }, 0);
         self.enlist(WORLD_SLOT, velocities, motions);
         for slot in self.slots.clone() {
             self.enlist(slot, velocities, motions);
@@ -225,7 +227,9 @@ impl CoupledIsland {
         (self.outcome.gain, self.outcome.kinetic) = (self.energy() - before, before);
         self.outcome.is_rejected = !self.is_sound();
         let contradicts = self.contradicts();
-        self.outcome.is_pending = self.outcome.is_rejected && (self.may_halve() || contradicts && !self.outcome.gives);
+        let may_again = self.may_halve() || contradicts && !self.outcome.gives;
+        self.outcome.spent += self.outcome.effort.factors;
+        self.outcome.is_pending = self.outcome.is_rejected && may_again && self.can_halve(settings);
         self.outcome.gives |= contradicts;
         let share = (1 << halvings) as f32;
         self.held.entries.iter_mut().for_each(|entry| *entry = entry.scaled(share));
@@ -278,13 +282,6 @@ impl CoupledIsland {
     pub(crate) fn next_patch(&mut self) -> u32 {
         self.handed_out += 1;
         self.handed_out - 1
-    }
-
-    /// Factorisations that the world's budget of multiplications allows in this step.
-    fn budget(&self, settings: &StepSettings) -> u32 {
-        let allowed = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.problem.structure.work.max(1) as f64;
-        let (least, most) = (FREE_FACTORS * settings.substeps, MAX_FACTORS * settings.substeps);
-        (allowed.min(f64::from(most)) as u32).max(least)
     }
 
     /// Forms the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s).

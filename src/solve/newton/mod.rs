@@ -8,8 +8,8 @@
 //! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the
 //! engine; `positions` is what they do for errors of positions, `overruled` where rows contradict one another, and `self_stress` for forces that
 //! hold one another. `servos` says what servos move. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
-//! `stiffness` says how forces turn, `island` takes the step, `soundness` judges it, `rebound` what hits in it, and `gaps` closes what it leaves
-//! open. Which islands are solved here is said by [`plan`](crate::solve::plan).
+//! `stiffness` says how forces turn, `island` takes the step, `budget` bounds its work, `soundness` judges it, `rebound` what hits in it,
+//! and `gaps` closes what it leaves open. Which islands are solved here is said by [`plan`](crate::solve::plan).
 
 #![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
 
@@ -28,6 +28,7 @@ use crate::tuning::plan::MAX_HALVINGS;
 use crate::workers::Workers;
 
 mod admm;
+mod budget;
 mod elimination;
 mod factor;
 mod fall;
