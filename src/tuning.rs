@@ -5,6 +5,7 @@
 //! stands beside the code that uses it.
 
 pub(crate) mod blows;
+pub(crate) mod crowds;
 pub(crate) mod overruled;
 pub(crate) mod plan;
 pub(crate) mod stress;

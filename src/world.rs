@@ -31,6 +31,7 @@ mod body_summary;
 pub(crate) mod cells;
 mod chain;
 mod contacts;
+mod crowds;
 mod draw;
 mod drift;
 mod driven_ways;
@@ -175,6 +176,8 @@ struct StepScratch {
     changed: Vec<u32>,
     /// What of each part of the pairs that touch is of other batches than the largest.
     others: Vec<Vec<u32>>,
+    /// How much faster each body of a crowd may become, by slot (m/s).
+    blows: Vec<f32>,
     /// Forces of the manifolds of a batch.
     pulls: Vec<write_back::contacts::Pull>,
     runs: write_back::runs::Runs,

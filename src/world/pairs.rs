@@ -243,6 +243,7 @@ impl World {
         report.counts.pairs_updated = updated as u32;
         report.counts.pairs_reused = (active - updated) as u32;
         self.leave_out_seams(dt);
+        self.thin_out_crowds(dt);
     }
 }
 

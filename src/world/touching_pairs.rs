@@ -81,6 +81,11 @@ impl TouchingPairs {
         self.parts[..self.count].iter().map(Vec::as_slice)
     }
 
+    /// Leaves out those that are not to be kept.
+    pub(super) fn retain(&mut self, mut keeps: impl FnMut(&TouchingPair) -> bool) {
+        self.parts[..self.count].iter_mut().for_each(|part| part.retain(&mut keeps));
+    }
+
     pub(super) fn len(&self) -> usize {
         self.parts().map(<[TouchingPair]>::len).sum()
     }
