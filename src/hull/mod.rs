@@ -236,7 +236,12 @@ impl RayCast for Hull {
 
 impl Shape for Hull {
     fn compute_local_aabb(&self) -> Aabb {
-        Aabb::from_points(self.points().iter().copied())
+        if self.starts.is_empty() {
+            return Aabb::from_points(self.points().iter().copied());
+        }
+        // Of many corners the outermost are known.
+        let end = |number: usize| self.surface.points[self.extremes[number] as usize][number / 2];
+        Aabb::new(Vec3::new(end(1), end(3), end(5)), Vec3::new(end(0), end(2), end(4)))
     }
 
     fn compute_local_bounding_sphere(&self) -> BoundingSphere {
