@@ -4,8 +4,8 @@ use std::f32::consts::PI;
 
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
-    Axis, BodyDef, BodyId, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef, SleepSettings,
-    World, WorldDef,
+    Axis, BodyDef, BodyId, Geometry, JointDef, JointId, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef,
+    SleepSettings, Strength, World, WorldDef,
 };
 
 const RATES: [f32; 4] = [30.0, 60.0, 120.0, 240.0];
@@ -261,6 +261,86 @@ fn a_bat_on_a_motor_gives_all_of_the_restitution() {
             let (speed, expected) = (world.linear_velocity(ball).unwrap().x, 2.0 * (1.0 + restitution));
             let what = format!("a ball of {mass} kg, restitution {restitution}, {rate} Hz");
             assert!((speed - expected).abs() < 1.0e-3 * expected, "{what}: {speed} m/s, expected {expected}");
+        }
+    }
+}
+
+/// A plate of 100 kg that a joint at its middle holds to the world: that joint.
+fn held_plate(world: &mut World, kind: JointKind, is_slider: bool, strength: f32) -> JointId {
+    let plate = body(world, 100.0, DVec3::ZERO, Geometry::Box { half_extents: Vec3::new(0.5, 0.05, 0.5) }, (0.0, 0.5));
+    let mut def = JointDef::new(kind, BodyId::NULL, plate);
+    if is_slider {
+        (def.frame_a.rotation, def.frame_b.rotation) = (Quat::from_rotation_z(0.5 * PI), Quat::from_rotation_z(0.5 * PI));
+    }
+    def.strength = Strength { tension: strength, compression: strength, shear: strength, window: 1.0e-3, ..def.strength };
+    world.create_joint(&def).unwrap()
+}
+
+/// What the impact solve does through joints was in no load: 0 of 60 N·s at a restitution of one half, so that such blows broke nothing.
+#[test]
+fn joints_bear_the_blows_that_rebound_from_what_they_hold() {
+    let locked = [Axis::limited(0.0, 0.0); 3];
+    let slider = JointKind::Prismatic { limits: Limits::new(0.0, 0.3), motor: Motor::Off };
+    let kinds = [JointKind::HINGE, JointKind::SPHERICAL, JointKind::Generic { linear: locked, angular: locked }, slider];
+    for (rate, (number, kind)) in RATES.into_iter().flat_map(|rate| kinds.into_iter().enumerate().map(move |kind| (rate, kind))) {
+        for restitution in [0.0_f32, 0.3, 1.0] {
+            for strength in [f32::INFINITY, 50.0] {
+                let mut world = world(0.0);
+                let joint = held_plate(&mut world, kind, number == 3, strength);
+                let ball = body(&mut world, 20.0, DVec3::Y * 0.65, Geometry::Ball { radius: 0.1 }, (restitution, 0.0));
+                world.set_linear_velocity(ball, Vec3::NEG_Y * 2.0).unwrap();
+                let (mut borne, mut broken) = (0.0, 0);
+                for _ in 0..(0.5 * rate) as usize {
+                    world.step(1.0 / rate).unwrap();
+                    broken += world.broken().len();
+                    borne += world.joint_state(joint).map_or(0.0, |state| state.force.y / rate);
+                }
+                let what = format!("{kind:?} at {rate} Hz, e {restitution}");
+                if strength.is_finite() {
+                    assert!(broken > 0, "{what}: a blow of 40 N·s and more breaks nothing of 50 N");
+                    continue;
+                }
+                // A ball on its middle does not turn it: the joint takes all of it.
+                let given = 20.0 * (world.linear_velocity(ball).unwrap().y + 2.0);
+                assert!(given > 39.9 * (1.0 + restitution), "{what}: the ball was given {given} N·s");
+                assert!((borne / given - 1.0).abs() < 2.0e-3, "{what}: {borne} N·s borne of {given}");
+            }
+        }
+    }
+}
+
+/// Two bodies that a joint holds together, the lower of which lands: all that the upper one gains has gone through the joint. So has what a stop
+/// with restitution gives back beside it.
+#[test]
+fn a_joint_of_what_lands_bears_what_its_upper_body_is_given() {
+    let cube = Geometry::Box { half_extents: Vec3::splat(0.4) };
+    for rate in RATES {
+        for (kind, own) in [
+            (JointKind::HINGE, 0.0),
+            (JointKind::SPHERICAL, 0.0),
+            (JointKind::Prismatic { limits: Limits::new(-0.03, 0.05), motor: Motor::Off }, 0.0),
+            (JointKind::Prismatic { limits: Limits::new(-0.03, 0.05), motor: Motor::Off }, 0.5),
+        ] {
+            let mut world = world(9.81);
+            let floor = ShapeDef::new(Shape::new(Geometry::Box { half_extents: Vec3::new(5.0, 0.5, 5.0) }).unwrap());
+            world.create_body(&BodyDef::fixed(Pose::at(DVec3::Y * -2.5)).with_shape(floor)).unwrap();
+            let upper = body(&mut world, 2.0, DVec3::Y, cube.clone(), (0.6, 0.5));
+            let lower = body(&mut world, 3.0, DVec3::ZERO, cube.clone(), (0.6, 0.5));
+            let mut def = JointDef::new(kind, upper, lower).at(Vec3::Y * -0.5, Vec3::Y * 0.5);
+            let turned =
+                if matches!(kind, JointKind::Prismatic { .. }) { Quat::from_rotation_z(0.5 * PI) } else { Quat::IDENTITY };
+            (def.frame_a.rotation, def.frame_b.rotation, def.restitution) = (turned, turned, own);
+            let joint = world.create_joint(&def).unwrap();
+            let count = (0.8 * rate) as usize;
+            let mut borne = 0.0;
+            for _ in 0..count {
+                world.step(1.0 / rate).unwrap();
+                borne -= world.joint_state(joint).unwrap().force.y / rate;
+            }
+            let given = 2.0 * (world.linear_velocity(upper).unwrap().y + 9.81 * count as f32 / rate);
+            let what = format!("{kind:?} with {own} at {rate} Hz");
+            assert!(given > 10.0, "{what}: it has not landed");
+            assert!((borne / given - 1.0).abs() < 5.0e-3, "{what}: {borne} N·s borne of {given}");
         }
     }
 }

@@ -37,6 +37,36 @@ pub(super) struct JointSet {
     at_end: (Vec<JointBlock>, Vec<Term>, Vec<Source>),
 }
 
+/// Impulses of a joint on B (N·s, N·m·s): of the rows of its point and its direction, and of those that are no part of these.
+struct Done {
+    point: DVec3,
+    angular: DVec3,
+    linear_load: DVec3,
+    angular_load: DVec3,
+}
+
+impl JointAssembly {
+    /// What the joint does by these multipliers of its link and those of its terms, about its point; `scalar` is told those of scalar rows.
+    fn done(&self, link: &[f64], sources: &[Source], terms: &[Term], mut scalar: impl FnMut(u8, f64)) -> Done {
+        let mut done = Done { point: DVec3::ZERO, angular: DVec3::ZERO, linear_load: DVec3::ZERO, angular_load: DVec3::ZERO };
+        let held = self.sources.iter().zip(link.iter().copied());
+        let own = self.terms.0 as usize..self.terms.1 as usize;
+        let bounded = sources[own.clone()].iter().zip(terms[own].iter().map(|term| term.impulse[0]));
+        for (source, impulse) in held.chain(bounded) {
+            match source.place {
+                MultiplierSlot::Point => done.point += source.linear * impulse,
+                MultiplierSlot::Direction => done.angular += source.angular * impulse,
+                MultiplierSlot::Scalar(id) => {
+                    scalar(id, impulse);
+                    done.linear_load += source.linear * impulse;
+                    done.angular_load += (source.angular - self.levers[1].cross(source.linear)) * impulse;
+                }
+            }
+        }
+        done
+    }
+}
+
 /// How far joint points are from each other beyond what their joints allow: the greatest distance (m), and the sum of squares of all (m²).
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Gaps {
@@ -248,26 +278,14 @@ impl JointSet {
     pub(super) fn keep_impulses(&mut self, problem: &Problem) {
         let Self { entries, rows, sources, arguments, argument_ranges, .. } = self;
         for ((entry, rows), link) in entries.iter_mut().zip(&*rows).zip(&problem.links) {
-            let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
-            let (mut linear_load, mut angular_load) = (DVec3::ZERO, DVec3::ZERO);
             entry.impulses.scalar.fill(0.0);
-            let held = rows.sources[..link.rows].iter().zip(link.impulse);
-            let terms = rows.terms.0 as usize..rows.terms.1 as usize;
-            let bounded = terms.map(|term| (&sources[term], problem.terms[term].impulse[0]));
-            for (source, impulse) in held.chain(bounded) {
-                match source.place {
-                    MultiplierSlot::Point => point += source.linear * impulse,
-                    MultiplierSlot::Direction => angular += source.angular * impulse,
-                    MultiplierSlot::Scalar(id) => {
-                        entry.impulses.scalar[id as usize] = impulse as f32;
-                        if let Some(axis) = entry.motors.rows.axis(id) {
-                            entry.motors.sums[axis] += impulse as f32;
-                        }
-                        linear_load += source.linear * impulse;
-                        angular_load += (source.angular - rows.levers[1].cross(source.linear)) * impulse;
+            let Done { point, angular, linear_load, angular_load } =
+                rows.done(&link.impulse[..link.rows], sources, &problem.terms, |id, impulse| {
+                    entry.impulses.scalar[id as usize] = impulse as f32;
+                    if let Some(axis) = entry.motors.rows.axis(id) {
+                        entry.motors.sums[axis] += impulse as f32;
                     }
-                }
-            }
+                });
             entry.impulses.point = narrowing::impulse(point);
             entry.impulses.angular = narrowing::impulse(angular);
             entry.pressed |= entry.impulses.pressing();
@@ -280,6 +298,22 @@ impl JointSet {
         arguments.extend(sources.iter().zip(&problem.terms).map(|(source, term)| (source.place, term.argument[0])));
         argument_ranges.clear();
         argument_ranges.extend(rows.iter().map(|rows| rows.terms));
+    }
+
+    /// Adds what joints have done in an impact to the loads: a blow is borne as any other impulse is. Stops that have been met in it have pressed.
+    pub(super) fn add_blow(&mut self, problem: &Problem) {
+        let Self { entries, rows, sources, .. } = self;
+        let blows = problem.links.iter().zip(&problem.room.blows).map(|(link, blow)| &blow[..link.rows]);
+        for ((entry, rows), blow) in entries.iter_mut().zip(&*rows).zip(blows) {
+            let Done { point, angular, linear_load, angular_load } = rows.done(blow, sources, &problem.terms, |id, impulse| {
+                entry.pressed |= u32::from(impulse > 0.0) << id;
+                if let Some(axis) = entry.motors.rows.axis(id) {
+                    entry.motors.sums[axis] += impulse as f32;
+                }
+            });
+            entry.linear_sum += narrowing::impulse(point + linear_load);
+            entry.angular_sum += narrowing::impulse(angular + angular_load);
+        }
     }
 
     /// Mean distance of joint points from the centres of mass of what moves, and of the ends of lines from each other (m). Where all joints

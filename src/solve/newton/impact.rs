@@ -13,6 +13,8 @@
 //! for what touches next: a blow goes through a row of balls from one to the other.
 //!
 //! Last, all that touches is stopped, with friction that leans on what the rounds have pressed as well.
+//!
+//! What joints do in all this is a load like any other, as what one bears may break it: the multipliers of links and of stops are summed.
 
 use super::problem::{Problem, push_term, speed};
 use super::term::{Law, Term};
@@ -83,11 +85,13 @@ impl Problem {
         -(speed(term, &self.before)[0] + term.bias[0] - term.ahead)
     }
 
-    /// Solves the impact: the velocity is what it leaves, and λ of contacts' normals what they have been hit with. The problem is no
-    /// longer that of the substep.
+    /// Solves the impact: the velocity is what it leaves, λ of contacts' normals and of stops what they have been hit with, and that of links is
+    /// in `blows` of the room. The problem is no longer that of the substep.
     pub(super) fn strike(&mut self, first: usize, threshold: f64) {
         let parts = self.take_parts(first, threshold);
         self.aim(&parts);
+        self.room.blows.clear();
+        self.room.blows.resize(self.links.len(), [0.0; 6]);
         self.velocity.clone_from(&self.before);
         for _ in 0..MAX_ROUNDS {
             let mut any = false;
@@ -105,6 +109,7 @@ impl Problem {
                 break;
             }
             self.project();
+            self.add_blows();
             self.give_back(&parts);
         }
         for (term, part) in self.terms.iter_mut().zip(&parts) {
@@ -115,8 +120,16 @@ impl Problem {
             }
         }
         self.project();
+        self.add_blows();
         for (term, part) in self.terms.iter_mut().zip(&parts) {
-            term.impulse[0] = if part.is_hit() { term.hit + term.impulse[0] } else { 0.0 };
+            term.impulse[0] = if part.is_hit() || *part == Part::Stop { term.hit + term.impulse[0] } else { 0.0 };
+        }
+    }
+
+    /// Adds what links have done in the last projection to what they do in the impact.
+    fn add_blows(&mut self) {
+        for (blow, link) in self.room.blows.iter_mut().zip(&self.links) {
+            blow.iter_mut().zip(link.impulse).for_each(|(blow, impulse)| *blow += impulse);
         }
     }
 
@@ -199,16 +212,25 @@ impl Problem {
         let Self { unknowns, terms, links, .. } = self;
         unknowns.clear();
         unknowns.resize(bodies, [0.0; 6]);
-        for (term, _) in terms.iter_mut().zip(parts).filter(|(_, part)| part.is_hit()) {
-            let returned = term.restitution * term.impulse[0];
-            push_term(term, [returned, 0.0], unknowns);
-            term.hit += term.impulse[0] + returned;
+        for (term, _) in terms.iter().zip(parts).filter(|(_, part)| part.is_hit()) {
+            push_term(term, [term.restitution * term.impulse[0], 0.0], unknowns);
         }
         unknowns.resize(bodies + links.len(), [0.0; 6]);
         self.solve_unknowns();
         let share = self.share_within_energy();
-        for (velocity, more) in self.velocity.iter_mut().zip(&self.unknowns) {
+        let Self { unknowns, terms, velocity, room, .. } = self;
+        for (velocity, more) in velocity.iter_mut().zip(&*unknowns) {
             velocity.iter_mut().zip(more).for_each(|(value, more)| *value += share * more);
+        }
+        for (blow, found) in room.blows.iter_mut().zip(&unknowns[bodies..]) {
+            blow.iter_mut().zip(found).for_each(|(blow, found)| *blow -= share * found);
+        }
+        for (term, part) in terms.iter_mut().zip(parts) {
+            term.hit += match part {
+                Part::Hit(_) => term.impulse[0] * (1.0 + share * term.restitution),
+                Part::Stop => term.impulse[0] - share * term.gain[0] * speed(term, unknowns)[0] / term.compliance,
+                _ => 0.0,
+            };
         }
     }
 

@@ -96,6 +96,8 @@ pub(super) struct Room {
     pub(super) targets: Vec<[f64; 2]>,
     pub(super) asked: Vec<Vector>,
     pub(super) residual: Vec<Vector>,
+    /// λ of each link in an impact (N·s, N·m·s).
+    pub(super) blows: Vec<Vector>,
 }
 
 /// One substep's problem, and the buffers to solve it.
