@@ -94,4 +94,5 @@ mod turning_points;
 mod unions;
 mod waking;
 mod welded_blows;
+mod welded_loads;
 mod wheels;

@@ -90,10 +90,11 @@ impl World {
     /// The handle is not a body of this world.
     pub fn contact_force(&self, body: BodyId) -> Result<Vec3> {
         let index = self.bodies.find(body)?;
-        Ok(match self.bodies[index].kind {
-            crate::body::BodyKind::Dynamic => self.collision.index.contact_force(index),
-            _ => self.force_on_fixed(index),
-        })
+        // What joints hold to something static is like that: nothing solves it, and part of what touches it may sleep. What they have just let
+        // go has had no force of its own yet.
+        let kept = self.collision.index.contact_force(index);
+        let is_kept = self.bodies[index].is_free() && (kept != Vec3::ZERO || !self.unions.stale.contains(&index));
+        Ok(if is_kept { kept } else { self.force_on_fixed(index) })
     }
 
     /// Every manifold between shapes of which at least one body is awake, in a fixed order.

@@ -315,6 +315,8 @@ impl World {
                 }
                 (body.held, body.times.calm_for) = (false, DwellTime::NONE);
             }
+            // That of what is anchored is added up when somebody asks.
+            self.collision.index.forget_force(index);
         }
         self.movers.are_sorted = false;
         self.wake_for_places(&changed);
