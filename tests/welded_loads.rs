@@ -1,6 +1,6 @@
 //! What is told of bodies that fixed joints make one: the forces on each, and what each joint bears.
 
-use longspan::glam::{DVec3, Vec3};
+use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, BodyKind, Geometry, JointDef, JointId, JointKind, Mass, Material, Pose, Shape, ShapeDef, World, WorldDef,
 };
@@ -74,6 +74,75 @@ fn a_bounce_on_what_is_welded_leaves_no_force_behind() {
             }
             assert!(world.linear_velocity(ball).unwrap().y > 1.99);
             assert_eq!(world.contact_force(plate).unwrap(), Vec3::ZERO, "{kind:?} at {rate} Hz");
+        }
+    }
+}
+
+/// Ways to load a weld that nothing else holds: a ball that hits what it holds to the world, and a pair that lands on its lower body.
+const STRUCK: [&str; 3] = ["held to the world", "a free pair", "on a hinge"];
+
+/// Impulse up that a weld gives in half a second in which what it holds is hit (N·s), and what it has to give: by its strength, and asked for in every
+/// step.
+fn weld_impulse(how: &str, strength: f32, restitution: f32, rate: f32) -> [f32; 2] {
+    let gravity = if how == "on a hinge" { 0.0 } else { 9.81 };
+    let mut world = World::new(&WorldDef { gravity: Vec3::NEG_Y * gravity, ..WorldDef::default() }).unwrap();
+    let floor = body(&mut world, 1.0, DVec3::Y * -9.5, slab(), 0.0);
+    world.set_body_kind(floor, BodyKind::Static).unwrap();
+    let mut def = JointDef::new(JointKind::Fixed, BodyId::NULL, BodyId::NULL);
+    let ball = Geometry::Ball { radius: 0.1 };
+    // Bodies whose momentum the weld changes.
+    let beyond = match how {
+        "held to the world" => {
+            def.body_b = body(&mut world, 100.0, DVec3::ZERO, slab(), restitution);
+            vec![(def.body_b, 100.0), (body(&mut world, 20.0, DVec3::Y * 0.7, ball, restitution), 20.0)]
+        }
+        "a free pair" => {
+            let cube = Geometry::Box { half_extents: Vec3::splat(0.4) };
+            def.body_a = body(&mut world, 3.0, DVec3::Y * -8.4, cube.clone(), restitution);
+            def.body_b = body(&mut world, 2.0, DVec3::Y * -7.4, cube, restitution);
+            (def.frame_a, def.frame_b) = (Pose::at(DVec3::Y * 0.5), Pose::at(DVec3::Y * -0.5));
+            vec![(def.body_b, 2.0)]
+        }
+        _ => {
+            def.body_a = body(&mut world, 10.0, DVec3::X * 1.0, slab(), restitution);
+            def.body_b = body(&mut world, 10.0, DVec3::X * 3.0, slab(), restitution);
+            (def.frame_a, def.frame_b) = (Pose::at(DVec3::X), Pose::at(DVec3::X * -1.0));
+            let hinge = JointDef::new(JointKind::HINGE, BodyId::NULL, def.body_a);
+            let turned = |x: f64| Pose::at(DVec3::X * x).rotated(Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2));
+            world.create_joint(&JointDef { frame_a: turned(0.0), frame_b: turned(-1.0), ..hinge }).unwrap();
+            vec![(def.body_b, 10.0), (body(&mut world, 4.0, DVec3::new(2.2, 0.7, 0.0), ball, restitution), 4.0)]
+        }
+    };
+    (def.strength.tension, def.strength.compression, def.strength.shear) = (strength, strength, strength);
+    let weld = world.create_joint(&def).unwrap();
+    let thrown = beyond.last().unwrap().0;
+    if how != "a free pair" {
+        world.set_linear_velocity(thrown, Vec3::NEG_Y * 4.0).unwrap();
+    }
+    let momentum = |world: &World| beyond.iter().map(|&(body, mass)| mass * world.linear_velocity(body).unwrap().y).sum::<f32>();
+    let (before, count) = (momentum(&world), (0.5 * rate) as usize);
+    let mut given = 0.0;
+    for _ in 0..count {
+        world.step(1.0 / rate).unwrap();
+        given += world.joint_state(weld).unwrap().force.y / rate;
+    }
+    let mass: f32 = beyond.iter().map(|&(_, mass)| mass).sum();
+    [given, momentum(&world) - before + mass * gravity * count as f32 / rate]
+}
+
+/// A joint without a strength was told what contacts did in the last substep: of most hits nothing. And where the island was solved as one, joints with
+/// one were told no blow that came back.
+#[test]
+fn a_weld_tells_what_it_bears_of_hits_whether_it_can_break_or_not() {
+    for how in STRUCK {
+        for (rate, restitution) in RATES.into_iter().flat_map(|rate| [0.0, 0.3, 1.0].map(|restitution| (rate, restitution))) {
+            for strength in [f32::INFINITY, 1.0e9] {
+                let [told, expected] = weld_impulse(how, strength, restitution, rate);
+                let what = format!("{how}, e {restitution}, {rate} Hz, strength {strength}");
+                assert!(expected > 2.0, "{what}: {expected} N·s are no hit");
+                // Where it swings, its force turns by as much as it does in a step.
+                assert!((told / expected - 1.0).abs() < 0.02, "{what}: {told} N·s, of {expected}");
+            }
         }
     }
 }

@@ -70,11 +70,29 @@ pub(crate) struct BatchManifolds {
 /// What is said of manifolds after a step, if anybody wants to know.
 #[derive(Debug, Default)]
 pub(crate) struct ContactTally {
-    /// Whether multipliers are added up over the substeps, and their sums by manifold.
+    /// Whether multipliers of all manifolds are added up over the substeps; those that are else, and the sums by manifold.
     pub is_on: bool,
+    pub numbers: Vec<u32>,
     sums: Vec<ContactImpulses>,
     /// What is told of the manifolds of each block.
     pub told: Vec<[ContactStatus; LANES]>,
+}
+
+impl ContactTally {
+    /// Whether nothing is added up.
+    fn is_empty(&self) -> bool {
+        !self.is_on && self.numbers.is_empty()
+    }
+
+    /// How many manifolds of so many are.
+    fn count(&self, all: usize) -> usize {
+        if self.is_on { all } else { self.numbers.len() }
+    }
+
+    /// Number of one of those.
+    fn number(&self, place: usize) -> usize {
+        if self.is_on { place } else { self.numbers[place] as usize }
+    }
 }
 
 /// Long-range bounds of a batch.
@@ -149,6 +167,7 @@ impl Batch {
         inputs.clear();
         round.clear();
         tally.is_on = false;
+        tally.numbers.clear();
         tally.sums.clear();
         tally.told.clear();
         self.joints.slots.clear();
@@ -334,27 +353,36 @@ impl Batch {
 
     /// Impulse along the normal of a manifold over the step (N·s), where multipliers are added up.
     pub(crate) fn contact_blow(&self, number: usize) -> f32 {
-        if self.layout.lanes[number].0 == HELD {
-            return self.newton.blow_of(number).unwrap_or_else(|| self.direct.blow_of(number));
-        }
-        self.manifolds.tally.sums.get(number).map_or(0.0, |sum| sum.normal.iter().sum())
+        self.sum_of(number).normal.iter().sum()
     }
 
-    /// Adds the multipliers of a substep to the sums.
+    /// Adds the multipliers of a substep to the sums. What is solved through the whole step at once has its own.
     pub(crate) fn add_to_tally(&mut self) {
-        if !self.manifolds.tally.is_on {
+        let Self { layout, contacts, manifolds: BatchManifolds { list, tally, .. }, .. } = self;
+        if tally.is_empty() {
             return;
         }
-        self.manifolds.tally.sums.resize(self.manifolds.list.len(), ContactImpulses::default());
-        for number in 0..self.manifolds.tally.sums.len() {
-            let impulses = self.contact_impulses(number);
-            self.manifolds.tally.sums[number].add(&impulses);
+        tally.sums.resize(list.len(), ContactImpulses::default());
+        for place in 0..tally.count(list.len()) {
+            let number = tally.number(place);
+            let (block, lane) = layout.lanes[number];
+            if block != HELD {
+                tally.sums[number].add(&contacts.impulses(block as usize, lane as usize));
+            }
         }
     }
 
     /// Sums of multipliers over the step's substeps, by manifold.
-    pub(crate) fn tallies(&self) -> impl Iterator<Item = (usize, &ContactImpulses)> {
-        self.manifolds.tally.sums.iter().enumerate()
+    pub(crate) fn tallies(&self) -> impl Iterator<Item = (usize, ContactImpulses)> {
+        let tally = &self.manifolds.tally;
+        (0..tally.count(self.manifolds.list.len())).map(|place| tally.number(place)).map(|number| (number, self.sum_of(number)))
+    }
+
+    fn sum_of(&self, number: usize) -> ContactImpulses {
+        if self.layout.lanes[number].0 == HELD {
+            return self.newton.sum_of(number).unwrap_or_else(|| self.direct.sum_of(number));
+        }
+        self.manifolds.tally.sums.get(number).copied().unwrap_or_default()
     }
 
     /// Normal of the manifold with this number.

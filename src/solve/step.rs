@@ -77,7 +77,6 @@ impl BatchStages {
             false => self.momentum_pass.prepare(batch, threads, settings.gravity, h),
         }
         self.joint_mesh.clear();
-        (0..settings.substeps).for_each(|_| batch.add_to_tally());
         batch.residuals.penetration = batch.direct.penetration().max(batch.newton.penetration()) as f32;
         batch.residuals.joint_gap = batch.direct.joint_gap(joints, &batch.motions, threads).max(batch.newton.joint_gap(joints));
     }

@@ -41,6 +41,7 @@ mod direct;
 mod joints;
 mod planes;
 mod round;
+mod tally;
 mod wrap;
 
 /// Relative difference of principal moments below which a body is taken as round.
@@ -74,7 +75,7 @@ struct BatchInput<'a> {
     groups: &'a IslandGroups,
     unions: &'a Unions,
     /// Whether contacts are added up over the substeps.
-    tallied: bool,
+    tallied: tally::Tallied,
     gravity: Vec3,
     solver: Solver,
     /// Bodies that motors drive further than by their velocities.
@@ -120,7 +121,7 @@ impl World {
             span: &self.long_range.derived,
             groups: &self.islands.groups,
             unions: &self.unions,
-            tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
+            tallied: self.tallied(),
             gravity: self.def.gravity,
             solver: self.def.solver,
             driven: &self.scratch.driven,
@@ -165,7 +166,7 @@ impl World {
 
 impl BatchInput<'_> {
     fn fill(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
-        batch.manifolds.tally.is_on = self.tallied;
+        self.list_tallied(batch);
         batch.load_bodies(threads, |index| self.slot_state(index));
         if self.solver == Solver::GaussSeidel {
             self.take_leads_back(batch);

@@ -8,7 +8,9 @@
 //! ```
 //!
 //! and [`BondStiffness`] distributes it. Contacts count with their mean over the step's substeps where loads are wanted in every
-//! step, else with their last substep.
+//! step or have been asked for before, else with their last substep.
+
+use std::sync::atomic::Ordering;
 
 use glam::{DMat3, DVec3, Quat, Vec3};
 
@@ -96,8 +98,9 @@ impl World {
         if union.wanted {
             return Some((joint.force, joint.torque));
         }
+        self.unions.asked.store(true, Ordering::Relaxed);
         let loads = union.loads.get_or_init(|| {
-            let contacts = self.contact_wrenches(&[], self.last.dt);
+            let contacts = self.contact_wrenches(&self.mean_impulses(), self.last.dt);
             self.loads_of(union, &union.motion, &contacts, self.last.dt)
         });
         let load = loads.get(number)?;

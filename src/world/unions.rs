@@ -12,6 +12,7 @@
 //! another velocity, was put there: the union takes it in by shape matching and a velocity fit that keeps momentum.
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{Quat, Vec3};
 
@@ -110,6 +111,8 @@ pub(super) struct Unions {
     pub pushed: Vec<u32>,
     /// Counts up whenever a union is made or dissolved.
     pub version: u64,
+    /// Whether the load of a joint without a limit has been asked for: from then on steps note what those need.
+    pub asked: AtomicBool,
     scratch: UnionScratch,
 }
 
@@ -155,6 +158,12 @@ impl Unions {
     pub(super) fn motion_of(&self, member: u32, union: &UnionMotion) -> UnionMotion {
         let place = self.place(member);
         union.at(place.offset, place.rotation)
+    }
+
+    /// Whether the loads of any of their joints are to be found, in every step or when somebody asks.
+    pub(super) fn asks_for_loads(&self) -> bool {
+        let asked = self.asked.load(Ordering::Relaxed) && !self.order.is_empty();
+        asked || self.iter().any(|union| union.wanted)
     }
 
     /// Number of the union that a body belongs to.

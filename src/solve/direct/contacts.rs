@@ -49,8 +49,8 @@ pub(crate) struct ArticulationContact {
     lambda: [f64; POINTS],
     tangential: DVec3,
     twist: f64,
-    /// Sum of the normals' multipliers over the substeps (N·s).
-    blow: f64,
+    /// Sums of the multipliers over the substeps, in the manifold's own terms.
+    pub sum: ContactImpulses,
 }
 
 impl ArticulationContact {
@@ -75,7 +75,7 @@ impl ArticulationContact {
             tangential: input.impulses.friction.as_dvec3() * sign,
             // The normal turns with the sign, so that the push about it does not.
             twist: f64::from(input.impulses.twist),
-            blow: 0.0,
+            sum: ContactImpulses::default(),
         }
     }
 
@@ -179,23 +179,18 @@ impl ArticulationContact {
         for (lambda, row) in self.lambda.iter_mut().zip(&system.rows[first..first + self.spots.count]) {
             *lambda = row.impulse.max(0.0);
         }
-        self.blow += self.lambda[..self.spots.count].iter().sum::<f64>();
         let side = self.side as usize;
         if let [u, v, w] = &system.rows[first + self.spots.count..first + self.spots.count + 3] {
             self.tangential = u.linear[side] * u.impulse + v.linear[side] * v.impulse;
             self.twist = w.impulse;
         }
+        self.sum.add(&self.impulses());
     }
 
     pub(crate) fn scale_impulses(&mut self, factor: f64) {
         self.lambda.iter_mut().for_each(|lambda| *lambda *= factor);
         self.tangential *= factor;
         self.twist *= factor;
-    }
-
-    /// Impulse along the normal over the step (N·s).
-    pub(crate) fn blow(&self) -> f32 {
-        self.blow as f32
     }
 
     /// Multipliers in the manifold's own terms.

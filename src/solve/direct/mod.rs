@@ -95,7 +95,6 @@ pub(crate) use block_constraints::SolveContext;
 use build::ArticulationCandidate;
 use carried_bodies::CarriedBodies;
 pub(crate) use carried_bodies::{MAX_MANIFOLDS, MAX_RIDERS};
-use contacts::ArticulationContact;
 pub(crate) use layout::are_few;
 use rejection_cache::RejectionCache;
 pub(crate) use row::FRICTION_ROWS;
@@ -137,7 +136,7 @@ pub(crate) struct Direct {
     sorted: Vec<JointLink>,
     /// Contacts that need no other rows, by number, and the multipliers of those that press.
     held: Vec<bool>,
-    impulses: Vec<(u32, ContactImpulses)>,
+    impulses: Vec<(u32, [ContactImpulses; 2])>,
 }
 
 /// What the world knows of a batch beyond the batch's own arrays.
@@ -193,14 +192,17 @@ impl Direct {
 
     /// Multipliers of a contact that it holds.
     pub(crate) fn impulses_of(&self, number: usize) -> ContactImpulses {
-        let found = self.impulses.binary_search_by_key(&(number as u32), |&(number, _)| number);
-        found.map_or(ContactImpulses::default(), |found| self.impulses[found].1)
+        self.found_of(number)[0]
     }
 
-    /// Impulse along the normal of a contact that it holds, over the step (N·s).
-    pub(crate) fn blow_of(&self, number: usize) -> f32 {
-        let touches = self.articulations().iter().flat_map(|articulation| &articulation.touches);
-        touches.filter(|touch| touch.number as usize == number).map(ArticulationContact::blow).sum()
+    /// Sum of the multipliers of a contact that it holds, over the step.
+    pub(crate) fn sum_of(&self, number: usize) -> ContactImpulses {
+        self.found_of(number)[1]
+    }
+
+    fn found_of(&self, number: usize) -> [ContactImpulses; 2] {
+        let found = self.impulses.binary_search_by_key(&(number as u32), |&(number, _)| number);
+        found.map_or([ContactImpulses::default(); 2], |found| self.impulses[found].1)
     }
 
     /// Worst overlap of the contacts that it holds (m).
@@ -266,7 +268,7 @@ impl Direct {
             }
             for touch in &articulation.touches {
                 self.held[touch.number as usize] = true;
-                self.impulses.push((touch.number, touch.impulses()));
+                self.impulses.push((touch.number, [touch.impulses(), touch.sum]));
             }
         }
         self.impulses.sort_unstable_by_key(|&(number, _)| number);

@@ -122,7 +122,12 @@ impl Problem {
         self.project();
         self.add_blows();
         for (term, part) in self.terms.iter_mut().zip(&parts) {
-            term.impulse[0] = if part.is_hit() || *part == Part::Stop { term.hit + term.impulse[0] } else { 0.0 };
+            match part {
+                Part::Hit(_) | Part::Stop => term.impulse[0] += term.hit,
+                // What rubs does so in the last projection alone.
+                Part::Friction(_) => {}
+                Part::Absent => term.impulse = [0.0; 2],
+            }
         }
     }
 

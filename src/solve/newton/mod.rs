@@ -153,9 +153,9 @@ impl Newton {
         self.patch(number).map(Patch::impulses)
     }
 
-    /// Impulse along the normal of a manifold that it holds, over the step (N·s).
-    pub(crate) fn blow_of(&self, number: usize) -> Option<f32> {
-        self.patch(number).map(Patch::blow)
+    /// Sum of the multipliers of a manifold that it holds, over the step.
+    pub(crate) fn sum_of(&self, number: usize) -> Option<ContactImpulses> {
+        self.patch(number).map(|patch| patch.sum)
     }
 
     /// Worst overlap of the contacts that it holds (m).

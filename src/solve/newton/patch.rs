@@ -37,8 +37,8 @@ pub(crate) struct Patch {
     tangential: DVec3,
     twist: f64,
     rolls: DVec3,
-    /// Sum of the normals' multipliers over the step.
-    blow: f64,
+    /// Sums of the multipliers over the step, impacts with them.
+    pub sum: ContactImpulses,
     /// Arguments of its terms in the last substep, as multipliers are, if there was one in this step.
     normal_arguments: [f64; POINTS],
     tangential_argument: DVec3,
@@ -68,7 +68,7 @@ impl Patch {
             tangential: input.impulses.friction.as_dvec3(),
             twist: f64::from(input.impulses.twist),
             rolls: input.impulses.rolling.as_dvec3(),
-            blow: 0.0,
+            sum: ContactImpulses::default(),
             normal_arguments: [0.0; POINTS],
             tangential_argument: DVec3::ZERO,
             twist_argument: 0.0,
@@ -236,19 +236,31 @@ impl Patch {
         }
     }
 
-    /// Adds what its points have been hit with in an impact to what they bear in the step.
-    pub(crate) fn add_blow(&mut self, terms: &[Term]) {
-        self.blow += self.terms(terms)[..self.spots.count].iter().map(|term| term.impulse[0]).sum::<f64>();
+    /// Adds what it has done by these terms to what it does in the step.
+    pub(crate) fn add_up(&mut self, terms: &[Term]) {
+        let terms = self.terms(terms);
+        let mut sum = ContactImpulses::default();
+        for (&place, term) in self.places.iter().zip(&terms[..self.spots.count]) {
+            sum.normal[usize::from(place)] = term.impulse[0].max(0.0) as f32;
+        }
+        let [u, v] = self.across;
+        let in_world = |[along, aside]: [f64; 2]| (u * along + v * aside).as_vec3();
+        let mut beside = terms[self.spots.count..].iter().map(|term| term.impulse);
+        let mut next = |is_asked: bool| if is_asked { beside.next().unwrap_or_default() } else { [0.0; 2] };
+        sum.friction = in_world(next(self.friction > 0.0));
+        sum.twist = next(self.twist_arm > 0.0)[0] as f32;
+        sum.rolling = in_world(next(self.rolling_arm > 0.0));
+        self.sum.add(&sum);
     }
 
     /// Takes its multipliers, and arguments, from the terms.
     pub(crate) fn keep_impulses(&mut self, terms: &[Term]) {
+        self.add_up(terms);
         let mut next = self.first as usize;
         for number in 0..self.spots.count {
             let term = &terms[next + number];
             self.normal[number] = term.impulse[0].max(0.0);
             self.normal_arguments[number] = term.argument[0];
-            self.blow += self.normal[number];
         }
         next += self.spots.count;
         let [u, v] = self.across;
@@ -268,11 +280,6 @@ impl Patch {
             self.rolls_argument = in_world(terms[next].argument);
         }
         self.is_known = true;
-    }
-
-    /// Impulse along the normal over the step (N·s).
-    pub(crate) fn blow(&self) -> f32 {
-        self.blow as f32
     }
 
     /// Whether any of its points presses.

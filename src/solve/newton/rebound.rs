@@ -37,7 +37,7 @@ impl CoupledIsland {
         }
         let moved = bodies.iter().zip(rates).filter(|(body, _)| body.is_dynamic());
         moved.zip(&problem.velocity).for_each(|((_, rate), velocity)| *rate = rate_of(velocity));
-        patches.iter_mut().for_each(|patch| patch.add_blow(&problem.terms));
+        patches.iter_mut().for_each(|patch| patch.add_up(&problem.terms));
         held.add_blow(problem);
         true
     }
