@@ -41,6 +41,7 @@ mod forces;
 mod fracture;
 mod getters;
 mod hold;
+mod idle_joints;
 mod islands;
 mod joints;
 mod long_range;

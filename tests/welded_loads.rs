@@ -2,7 +2,8 @@
 
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, BodyKind, Geometry, JointDef, JointId, JointKind, Mass, Material, Pose, Shape, ShapeDef, World, WorldDef,
+    BodyDef, BodyId, BodyKind, Geometry, JointDef, JointId, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef,
+    Softness, Solver, World, WorldDef,
 };
 
 const RATES: [f32; 3] = [30.0, 60.0, 240.0];
@@ -143,6 +144,92 @@ fn a_weld_tells_what_it_bears_of_hits_whether_it_can_break_or_not() {
                 // Where it swings, its force turns by as much as it does in a step.
                 assert!((told / expected - 1.0).abs() < 0.02, "{what}: {told} N·s, of {expected}");
             }
+        }
+    }
+}
+
+/// Springs and motors between what cannot move did nothing, and latches that held them bore nothing.
+#[test]
+fn a_latch_bears_what_a_spring_or_a_motor_beside_it_pushes_with() {
+    let softness = Softness { compliance: 1.0e-3, ..Softness::RIGID };
+    let spring = Motor::Position { target: 1.0, softness, max_force: f32::INFINITY };
+    let bounded = Motor::Velocity { target: 0.5, max_force: 1000.0 };
+    let kinds = [
+        ("a hinge spring", JointKind::Hinge { limits: Limits::NONE, motor: spring }),
+        ("a slider spring", JointKind::Prismatic { limits: Limits::NONE, motor: spring }),
+        ("a line spring", JointKind::Distance { limits: Limits::NONE, spring_length: Some(1.0), motor: Motor::Off }),
+        ("a hinge motor", JointKind::Hinge { limits: Limits::NONE, motor: bounded }),
+        ("a slider motor", JointKind::Prismatic { limits: Limits::NONE, motor: bounded }),
+    ];
+    for (solver, (name, kind)) in
+        [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| kinds.map(|kind| (solver, kind)))
+    {
+        for (to_world, strength) in
+            [(true, f32::INFINITY), (false, f32::INFINITY), (true, 2000.0), (false, 2000.0), (true, 500.0), (false, 500.0)]
+        {
+            let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, solver, ..WorldDef::default() }).unwrap();
+            let cube = Geometry::Box { half_extents: Vec3::splat(0.1) };
+            let arm = body(&mut world, 2.0, DVec3::ZERO, cube.clone(), 0.0);
+            let other = if to_world { BodyId::NULL } else { body(&mut world, 3.0, DVec3::X, cube, 0.0) };
+            let mut pusher = JointDef::new(kind, other, arm);
+            let across = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
+            let from = DVec3::X * if to_world { 0.0 } else { -1.0 };
+            (pusher.frame_a, pusher.frame_b) = (Pose::at(from).rotated(across), Pose::at(DVec3::ZERO).rotated(across));
+            if matches!(kind, JointKind::Distance { .. }) {
+                (pusher.frame_a.position, pusher.linear) = (from + DVec3::Y * 2.0, softness);
+            }
+            let pusher = world.create_joint(&pusher).unwrap();
+            let mut latch = JointDef::new(JointKind::Fixed, other, arm).at(from.as_vec3(), Vec3::ZERO);
+            let limits = &mut latch.strength;
+            for limit in
+                [&mut limits.tension, &mut limits.compression, &mut limits.shear, &mut limits.bending, &mut limits.torsion]
+            {
+                *limit = strength;
+            }
+            let latch = world.create_joint(&latch).unwrap();
+            let mut broken = 0;
+            for _ in 0..5 {
+                world.step(1.0 / 60.0).unwrap();
+                broken += world.broken().len();
+            }
+            let what = format!("{solver:?}, {name}, to the world {to_world}, strength {strength}");
+            assert_eq!(broken > 0, strength < 1000.0, "{what}: {broken} latches break");
+            if broken == 0 {
+                let turns = matches!(kind, JointKind::Hinge { .. });
+                let load = |joint| {
+                    let state = world.joint_state(joint).unwrap();
+                    if turns { state.torque } else { state.force }
+                };
+                let (effort, borne) = (world.joint_state(pusher).unwrap().effort.abs(), load(latch));
+                assert!((effort - 1000.0).abs() < 0.1, "{what}: pushes with {effort}");
+                assert!((borne + load(pusher)).length() < 0.1, "{what}: bears {borne} of {}", load(pusher));
+            }
+        }
+    }
+}
+
+/// What a latch bears is no rounding of where the bodies stand.
+#[test]
+fn a_stiff_spring_at_rest_loads_no_latch() {
+    for (size, compliance) in [(0.01, 1.0e-7), (1.0, 1.0e-9), (100.0, 1.0e-9)] {
+        let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+        let cube = Geometry::Box { half_extents: Vec3::splat(0.1 * size as f32) };
+        let at = |x: f64| DVec3::new(0.37, 0.11, -0.73) * size + DVec3::new(0.6, 0.48, 0.64).normalize() * (x * size);
+        let [a, b] = [0.0, 1.0].map(|x| body(&mut world, 1.0, at(x), cube.clone(), 0.0));
+        let way = (at(1.0) - at(0.0)).as_vec3();
+        let mut spring = JointDef::new(
+            JointKind::Distance { limits: Limits::NONE, spring_length: Some(size as f32), motor: Motor::Off },
+            a,
+            b,
+        );
+        spring.linear = Softness { compliance, ..Softness::RIGID };
+        let spring = world.create_joint(&spring).unwrap();
+        let latch = world.create_joint(&JointDef::new(JointKind::Fixed, a, b).at(way * 0.5, way * -0.5)).unwrap();
+        world.set_angular_velocity(a, Vec3::new(1.0, 2.0, 3.0)).unwrap();
+        for step in 0..60 {
+            world.step(1.0 / 60.0).unwrap();
+            let pushes = world.joint_state(spring).unwrap().force.length();
+            assert!(pushes == 0.0, "{size} m: {pushes} N in step {step}, latch {:?}", world.joint_state(latch).unwrap().force);
         }
     }
 }

@@ -226,11 +226,12 @@ impl World {
         let along = b.0 + b.1.cross(lever_b) - a.0 - a.1.cross(lever_a);
         let (gradient, direction) = (found.gradient.as_vec3(), found.direction.as_vec3());
         let (rate, load) = if found.turns { (b.1 - a.1, torque) } else { (along, force) };
+        let motors = self.idle_load(slot, self.last.dt).map_or(joint.motors, |idle| idle.motors);
         let motor = if matches!(joint.def.kind, JointKind::Spherical { .. }) {
-            let [x, y, z, ..] = joint.motors;
+            let [x, y, z, ..] = motors;
             (placement.a.frame.as_quat() * Vec3::new(x, y, z)).dot(direction)
         } else {
-            joint.motors[axis as usize]
+            motors[axis as usize]
         };
         Ok(JointAxisState { position: found.position as f32, velocity: rate.dot(gradient), effort: load.dot(direction), motor })
     }
@@ -308,7 +309,7 @@ impl World {
         }
     }
 
-    fn velocity(&self, joint: &Joint, side: usize) -> (Vec3, Vec3) {
+    pub(super) fn velocity(&self, joint: &Joint, side: usize) -> (Vec3, Vec3) {
         joint.bodies[side].map_or((Vec3::ZERO, Vec3::ZERO), |index| {
             let body = &self.bodies[index];
             (body.linear_velocity, body.angular_velocity)

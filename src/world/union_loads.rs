@@ -4,7 +4,7 @@
 //! together exert what it needs beyond everything else that acts on it,
 //!
 //! ```text
-//! n_i = m_i (v_i' − v_i)/dt − m_i g − F_i − contacts − joints to others,        likewise for the angular momentum,
+//! n_i = m_i (v_i' − v_i)/dt − m_i g − F_i − contacts − other joints,        likewise for the angular momentum,
 //! ```
 //!
 //! and [`BondStiffness`] distributes it. Contacts count with their mean over the step's substeps where loads are wanted in every
@@ -89,8 +89,13 @@ impl World {
         }
     }
 
-    /// Load of a joint inside a union in the last step: force (N) and torque (N·m) about the joint point on body B, world axes.
+    /// Load of a joint that nothing solves in the last step: force (N) and torque (N·m) about the joint point on body B, world axes.
     pub(super) fn load_inside(&self, slot: u32) -> Option<(Vec3, Vec3)> {
+        self.load_of_link(slot).or_else(|| self.idle_load(slot, self.last.dt).map(|idle| (idle.force, idle.torque)))
+    }
+
+    /// The same of a joint that a union is made of.
+    fn load_of_link(&self, slot: u32) -> Option<(Vec3, Vec3)> {
         let joint = &self.joints[slot];
         let member = joint.bodies.into_iter().flatten().find(|&index| self.bodies[index].is_dynamic())?;
         let union = self.unions.of(member)?;
@@ -137,7 +142,7 @@ impl World {
                 need.torque -= contact.torque;
             }
         }
-        self.take_outer_joints(union, &mut needed);
+        self.take_other_joints(union, &mut needed, dt);
         // Loads are means over the step, and so are the axes that they are found in.
         let began = union.before.filter(|_| union.anchor != Anchor::Still).map_or(after.rotation, |before| before.rotation);
         let turn = halfway(began, after.rotation).as_dquat().normalize();
@@ -204,18 +209,19 @@ impl World {
         wrenches
     }
 
-    /// Takes from what members need what joints to others give them.
-    fn take_outer_joints(&self, union: &Union, needed: &mut [Wrench]) {
-        for &slot in &union.outer {
+    /// Takes from what members need what joints that the union is not made of give them.
+    fn take_other_joints(&self, union: &Union, needed: &mut [Wrench], dt: f32) {
+        for &slot in union.outer.iter().chain(&union.inner) {
             let joint = &self.joints[slot];
+            let [on_b, about_b] = self.idle_load(slot, dt).map_or([joint.force, joint.torque], |idle| [idle.force, idle.torque]);
             for side in 0..2 {
                 // The force acts at B's point, on both; that of a distance joint on each body at its own.
                 let point = self.joint_point(joint, if is_distance(&joint.def) { side } else { 1 });
                 let Some(index) = joint.bodies[side] else { continue };
                 let Ok(end) = union.members.binary_search(&index) else { continue };
                 let sign = if side == 1 { 1.0 } else { -1.0 };
-                let force = joint.force.as_dvec3() * sign;
-                let torque = joint.torque.as_dvec3() * sign + (point - self.bodies[index].center).cross(force);
+                let force = on_b.as_dvec3() * sign;
+                let torque = about_b.as_dvec3() * sign + (point - self.bodies[index].center).cross(force);
                 needed[end].force -= force;
                 needed[end].torque -= torque;
             }

@@ -72,8 +72,9 @@ pub(super) struct Union {
     pub anchors: Vec<u32>,
     /// Fixed joints that it is made of, sorted.
     pub fixed_links: Vec<u32>,
-    /// Joints to what does not belong to it, sorted.
+    /// Joints to what does not belong to it, sorted, and those between members that it is not made of, which nothing solves.
     pub outer: Vec<u32>,
+    pub inner: Vec<u32>,
     /// Of all dynamic members.
     pub mass: MassProperties,
     covariances: Covariances,

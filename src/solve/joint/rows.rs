@@ -225,7 +225,7 @@ pub(crate) fn across(axis: DVec3) -> (DVec3, DVec3) {
 }
 
 impl HeldDirections {
-    pub(super) fn project(self, v: DVec3) -> DVec3 {
+    pub(crate) fn project(self, v: DVec3) -> DVec3 {
         match self {
             Self::All => v,
             Self::Across(axis) => v - axis * axis.dot(v),

@@ -76,12 +76,14 @@ impl World {
         let masses: Vec<MassProperties> = members.iter().filter_map(|&index| self.bodies[index].mass).collect();
         let compound = Compound::new(frames, &masses);
         let wanted = fixed_links.iter().any(|&slot| wants_load(&self.joints[slot].def));
+        let (inner, outer) = self.other_joints(&members, &fixed_links);
         let union = Union {
             lead: members[0],
             anchor,
             covariances: Covariances::new(&masses, &compound.places),
             held: Pose64 { position: compound.center, rotation: DQuat::IDENTITY },
-            outer: self.outer_joints(&members, &fixed_links),
+            outer,
+            inner,
             mass: compound.mass,
             residual: (rest.residual.0 as f32, rest.residual.1 as f32),
             motion: carried.map_or(UnionMotion::ORIGIN, |carried| carried.motion),
@@ -145,18 +147,13 @@ impl World {
         anchors.first().map_or(Pose64::IDENTITY, |&index| frame_of(&self.bodies[index]))
     }
 
-    /// Joints of members whose other end is elsewhere, but for those that hold the union to its anchor.
-    fn outer_joints(&self, members: &[u32], fixed_links: &[u32]) -> Vec<u32> {
-        let mut outer = Vec::new();
-        for slot in members.iter().flat_map(|&index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok()) {
-            let joint = &self.joints[slot];
-            let inside = |body: &Option<u32>| body.is_some_and(|index| members.binary_search(&index).is_ok());
-            if !joint.bodies.iter().all(inside) && fixed_links.binary_search(&slot).is_err() {
-                outer.push(slot);
-            }
-        }
-        outer.sort_unstable();
-        outer.dedup();
-        outer
+    /// Joints of members but for those that make the union and hold it to its anchor: those between members, and those whose other end is elsewhere.
+    fn other_joints(&self, members: &[u32], fixed_links: &[u32]) -> (Vec<u32>, Vec<u32>) {
+        let of_members = members.iter().flat_map(|&index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok());
+        let mut others: Vec<u32> = of_members.filter(|slot| fixed_links.binary_search(slot).is_err()).collect();
+        others.sort_unstable();
+        others.dedup();
+        let inside = |body: &Option<u32>| body.is_some_and(|index| members.binary_search(&index).is_ok());
+        others.into_iter().partition(|&slot| self.joints[slot].bodies.iter().all(inside))
     }
 }
