@@ -3,7 +3,7 @@
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, BodyKind, Geometry, JointDef, JointId, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef,
-    Softness, Solver, World, WorldDef,
+    Softness, Solver, Strength, World, WorldDef,
 };
 
 const RATES: [f32; 3] = [30.0, 60.0, 240.0];
@@ -143,6 +143,36 @@ fn a_weld_tells_what_it_bears_of_hits_whether_it_can_break_or_not() {
                 assert!(expected > 2.0, "{what}: {expected} N·s are no hit");
                 // Where it swings, its force turns by as much as it does in a step.
                 assert!((told / expected - 1.0).abs() < 0.02, "{what}: {told} N·s, of {expected}");
+            }
+        }
+    }
+}
+
+/// What the host does to a body is told as well. Impulses and velocities were taken and lost where no joint had a limit.
+#[test]
+fn a_weld_tells_what_the_host_does_to_what_it_holds() {
+    for kind in [None, Some(BodyKind::Static), Some(BodyKind::Kinematic)] {
+        for strength in [f32::INFINITY, 1.0e9] {
+            for way in ["an impulse", "a velocity", "a force", "two impulses"] {
+                let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+                let (plate, weld) = held_slab(&mut world, kind);
+                let limits = Strength { tension: strength, ..world.joint_def(weld).unwrap().strength };
+                world.set_joint_strength(weld, limits).unwrap();
+                world.step(1.0 / 60.0).unwrap();
+                match way {
+                    "an impulse" => world.add_impulse(plate, Vec3::Y * 30.0).unwrap(),
+                    "a velocity" => world.set_linear_velocity(plate, Vec3::Y * 0.6).unwrap(),
+                    "a force" => world.add_force(plate, Vec3::Y * 1800.0).unwrap(),
+                    _ => [10.0, 20.0].into_iter().for_each(|impulse| world.add_impulse(plate, Vec3::Y * impulse).unwrap()),
+                }
+                let mut told = 0.0;
+                for _ in 0..3 {
+                    world.step(1.0 / 60.0).unwrap();
+                    told += world.joint_state(weld).unwrap().force.y / 60.0;
+                }
+                let what = format!("{way} on what {kind:?} holds, strength {strength}");
+                assert!((told + 30.0).abs() < 0.01, "{what}: {told} N·s told of -30");
+                assert_eq!(world.linear_velocity(plate).unwrap(), Vec3::ZERO, "{what}");
             }
         }
     }

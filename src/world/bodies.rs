@@ -256,12 +256,13 @@ impl World {
         Ok(())
     }
 
-    /// What is anchored moves as its anchor does. Another velocity is a blow to its joints in the next step, where those want to know.
+    /// What is anchored moves as its anchor does. Another velocity is a blow to its joints in the next step; where those have limits it is found
+    /// there.
     pub(super) fn keep_anchored(&mut self, index: u32) {
         let Self { unions, bodies, .. } = self;
         let body = &mut bodies[index];
         if body.anchored != Anchored::No && !unions.of(index).is_some_and(|union| union.wanted) {
-            (body.linear_velocity, body.angular_velocity) = unions.velocities_of(index);
+            unions.stop(index, body);
         }
     }
 

@@ -110,6 +110,8 @@ pub(super) struct Unions {
     pub stale: Vec<u32>,
     /// Anchored bodies that the host has pushed since the last step.
     pub pushed: Vec<u32>,
+    /// What has been taken from anchored bodies of the velocities that the host gave them since the last step (N·s, N·m·s, about centres).
+    struck: Vec<(u32, Wrench)>,
     /// Counts up whenever a union is made or dissolved.
     pub version: u64,
     /// Whether the load of a joint without a limit has been asked for: from then on steps note what those need.
@@ -319,9 +321,11 @@ impl World {
             let body = &mut self.bodies[index];
             (body.anchored, body.kinematic.path) = (anchored, None);
             if anchored != Anchored::No {
-                // Where joints want to know, a velocity becomes a blow to them.
-                if anchored == Anchored::Driven || !wanted {
+                // A velocity becomes a blow to the joints. Where those have limits, that is found as the step begins.
+                if anchored == Anchored::Driven {
                     (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+                } else if !wanted {
+                    self.unions.stop(index, body);
                 }
                 (body.held, body.times.calm_for) = (false, DwellTime::NONE);
             }

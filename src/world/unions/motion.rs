@@ -51,6 +51,7 @@ impl World {
                 union.before = Some(union.motion);
             }
         }
+        self.unions.take_blows();
         for number in 0..self.unions.pushed.len() {
             let index = self.unions.pushed[number];
             let Some(body) = self.bodies.get(index) else { continue };
@@ -75,14 +76,9 @@ impl World {
                 pushed.push(index);
             }
             let (linear, angular) = union.velocities_at(&places[index as usize]);
-            if is_known && (body.linear_velocity != linear || body.angular_velocity != angular) {
-                let Some(mass) = body.mass else { continue };
+            if let Some(jolt) = jolt_to(body, linear, angular).filter(|_| is_known) {
                 union.jolts.resize(union.members.len(), Wrench::default());
-                let inertia = inertia_of(&mass, body.rotation.as_dquat().normalize());
-                union.jolts[number] = Wrench {
-                    force: (linear - body.linear_velocity).as_dvec3() * f64::from(mass.mass),
-                    torque: inertia * (angular - body.angular_velocity).as_dvec3(),
-                };
+                union.jolts[number] = jolt;
                 (body.linear_velocity, body.angular_velocity) = (linear, angular);
             }
         }
@@ -268,6 +264,30 @@ impl World {
     }
 }
 
+impl Unions {
+    /// Has an anchored body move as its union does, and notes what that takes of the joints.
+    pub(in crate::world) fn stop(&mut self, index: u32, body: &mut Body) {
+        let (linear, angular) = self.velocities_of(index);
+        // What is new on something that moves has no velocity of its union yet.
+        let is_known = self.of(index).is_some_and(|union| union.anchor == Anchor::Still || union.before.is_some());
+        self.struck.extend(jolt_to(body, linear, angular).filter(|_| is_known).map(|jolt| (index, jolt)));
+        (body.linear_velocity, body.angular_velocity) = (linear, angular);
+    }
+
+    /// Gives unions the blows that have been noted since the last step.
+    fn take_blows(&mut self) {
+        let mut struck = std::mem::take(&mut self.struck);
+        for (index, blow) in struck.drain(..) {
+            let Some(union) = self.of_mut(index).filter(|union| union.anchor != Anchor::Free) else { continue };
+            let Ok(number) = union.members.binary_search(&index) else { continue };
+            union.jolts.resize(union.members.len(), Wrench::default());
+            union.jolts[number].force += blow.force;
+            union.jolts[number].torque += blow.torque;
+        }
+        self.struck = struck;
+    }
+}
+
 impl Union {
     /// Linear and angular velocity of a member.
     pub(super) fn velocities_at(&self, place: &UnionPlace) -> (Vec3, Vec3) {
@@ -282,4 +302,13 @@ fn follow(body: &mut Body, union: &UnionMotion, place: &UnionPlace) {
     (body.center, body.rotation) = (motion.center, motion.rotation);
     body.linear_velocity = within_limit(motion.linear, MAX_LINEAR_SPEED);
     body.angular_velocity = within_limit(motion.angular, MAX_ANGULAR_SPEED);
+}
+
+/// What gives a body these velocities, if it has others (N·s, N·m·s about its centre).
+fn jolt_to(body: &Body, linear: Vec3, angular: Vec3) -> Option<Wrench> {
+    let mass = body.mass.filter(|_| body.linear_velocity != linear || body.angular_velocity != angular)?;
+    Some(Wrench {
+        force: (linear - body.linear_velocity).as_dvec3() * f64::from(mass.mass),
+        torque: inertia_of(&mass, body.rotation.as_dquat().normalize()) * (angular - body.angular_velocity).as_dvec3(),
+    })
 }
