@@ -178,6 +178,26 @@ fn a_weld_tells_what_the_host_does_to_what_it_holds() {
     }
 }
 
+/// Nobody has asked before: the load of the step of the hit is as good as that of any other.
+#[test]
+fn a_weld_tells_the_whole_of_a_hit_when_it_is_asked_for_the_first_time() {
+    for (rate, restitution) in RATES.into_iter().flat_map(|rate| [0.0, 0.3, 1.0].map(|restitution| (rate, restitution))) {
+        let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+        let (_, weld) = held_slab(&mut world, None);
+        let ball = body(&mut world, 20.0, DVec3::Y * 0.4, Geometry::Ball { radius: 0.1 }, restitution);
+        world.set_linear_velocity(ball, Vec3::NEG_Y * 4.0).unwrap();
+        let speed = |world: &World| world.linear_velocity(ball).unwrap().y;
+        let mut given = 0.0;
+        while given < 1.0 {
+            let before = speed(&world);
+            world.step(1.0 / rate).unwrap();
+            given = 20.0 * (speed(&world) - before);
+        }
+        let told = world.joint_state(weld).unwrap().force.y / rate;
+        assert!((told / given - 1.0).abs() < 1.0e-3, "e {restitution}, {rate} Hz: {told} N·s told of {given}");
+    }
+}
+
 /// Springs and motors between what cannot move did nothing, and latches that held them bore nothing.
 #[test]
 fn a_latch_bears_what_a_spring_or_a_motor_beside_it_pushes_with() {

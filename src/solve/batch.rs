@@ -2,7 +2,7 @@
 
 use super::body_flags::BodyFlags;
 use super::contact::{ContactImpulses, ContactInput, LANES};
-use super::contact_block::ContactBlocks;
+use super::contact_block::{BlockSums, ContactBlocks};
 use super::direct::Direct;
 use super::distance_bound::BatchBounds;
 use super::joint::{BatchJoints, may_be_cut};
@@ -70,10 +70,12 @@ pub(crate) struct BatchManifolds {
 /// What is said of manifolds after a step, if anybody wants to know.
 #[derive(Debug, Default)]
 pub(crate) struct ContactTally {
-    /// Whether multipliers of all manifolds are added up over the substeps; those that are else, and the sums by manifold.
+    /// Whether multipliers of all manifolds are added up over the substeps; those that are else, and the blocks that have any of these.
     pub is_on: bool,
     pub numbers: Vec<u32>,
-    sums: Vec<ContactImpulses>,
+    blocks: Vec<u32>,
+    /// Sums by block.
+    sums: Vec<BlockSums>,
     /// What is told of the manifolds of each block.
     pub told: Vec<[ContactStatus; LANES]>,
 }
@@ -168,6 +170,7 @@ impl Batch {
         round.clear();
         tally.is_on = false;
         tally.numbers.clear();
+        tally.blocks.clear();
         tally.sums.clear();
         tally.told.clear();
         self.joints.slots.clear();
@@ -358,18 +361,22 @@ impl Batch {
 
     /// Adds the multipliers of a substep to the sums. What is solved through the whole step at once has its own.
     pub(crate) fn add_to_tally(&mut self) {
-        let Self { layout, contacts, manifolds: BatchManifolds { list, tally, .. }, .. } = self;
-        if tally.is_empty() {
+        let Self { layout, contacts, manifolds: BatchManifolds { tally, .. }, .. } = self;
+        if tally.is_empty() || contacts.is_empty() {
             return;
         }
-        tally.sums.resize(list.len(), ContactImpulses::default());
-        for place in 0..tally.count(list.len()) {
-            let number = tally.number(place);
-            let (block, lane) = layout.lanes[number];
-            if block != HELD {
-                tally.sums[number].add(&contacts.impulses(block as usize, lane as usize));
+        if tally.sums.is_empty() {
+            tally.sums.resize(contacts.len(), BlockSums::NONE);
+            let ContactTally { is_on, numbers, blocks, .. } = tally;
+            if *is_on {
+                blocks.extend(0..contacts.len() as u32);
+            } else {
+                blocks.extend(numbers.iter().map(|&number| layout.lanes[number as usize].0).filter(|&block| block != HELD));
             }
+            blocks.sort_unstable();
+            blocks.dedup();
         }
+        tally.blocks.iter().for_each(|&block| contacts.add_up(block as usize, &mut tally.sums[block as usize]));
     }
 
     /// Sums of multipliers over the step's substeps, by manifold.
@@ -379,10 +386,12 @@ impl Batch {
     }
 
     fn sum_of(&self, number: usize) -> ContactImpulses {
-        if self.layout.lanes[number].0 == HELD {
+        let (block, lane) = self.layout.lanes[number];
+        if block == HELD {
             return self.newton.sum_of(number).unwrap_or_else(|| self.direct.sum_of(number));
         }
-        self.manifolds.tally.sums.get(number).copied().unwrap_or_default()
+        let sums = self.manifolds.tally.sums.get(block as usize);
+        sums.map_or(ContactImpulses::default(), |sums| self.contacts.sum_of(block as usize, lane as usize, sums))
     }
 
     /// Normal of the manifold with this number.

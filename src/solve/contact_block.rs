@@ -20,8 +20,10 @@ use super::state::BodyMotion;
 use crate::prefetch::prefetch;
 use crate::tight_vec::{make_room, resize};
 
+mod sums;
 mod whole;
 
+pub(crate) use sums::BlockSums;
 pub(crate) use whole::BlockView;
 
 /// Where a block has neither a face nor an extra.

@@ -75,7 +75,7 @@ struct BatchInput<'a> {
     groups: &'a IslandGroups,
     unions: &'a Unions,
     /// Whether contacts are added up over the substeps.
-    tallied: tally::Tallied,
+    tallied: bool,
     gravity: Vec3,
     solver: Solver,
     /// Bodies that motors drive further than by their velocities.
@@ -121,7 +121,7 @@ impl World {
             span: &self.long_range.derived,
             groups: &self.islands.groups,
             unions: &self.unions,
-            tallied: self.tallied(),
+            tallied: self.def.hit_threshold < f32::INFINITY,
             gravity: self.def.gravity,
             solver: self.def.solver,
             driven: &self.scratch.driven,

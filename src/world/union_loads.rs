@@ -7,10 +7,8 @@
 //! n_i = m_i (v_i' − v_i)/dt − m_i g − F_i − contacts − other joints,        likewise for the angular momentum,
 //! ```
 //!
-//! and [`BondStiffness`] distributes it. Contacts count with their mean over the step's substeps where loads are wanted in every
-//! step or have been asked for before, else with their last substep.
-
-use std::sync::atomic::Ordering;
+//! and [`BondStiffness`] distributes it. Contacts count with their mean over the step's substeps; those of what sleeps with
+//! the last one that it took.
 
 use glam::{DMat3, DVec3, Quat, Vec3};
 
@@ -103,7 +101,6 @@ impl World {
         if union.wanted {
             return Some((joint.force, joint.torque));
         }
-        self.unions.asked.store(true, Ordering::Relaxed);
         let loads = union.loads.get_or_init(|| {
             let contacts = self.contact_wrenches(&self.mean_impulses(), self.last.dt);
             self.loads_of(union, &union.motion, &contacts, self.last.dt)

@@ -12,7 +12,6 @@
 //! another velocity, was put there: the union takes it in by shape matching and a velocity fit that keeps momentum.
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{Quat, Vec3};
 
@@ -114,8 +113,6 @@ pub(super) struct Unions {
     struck: Vec<(u32, Wrench)>,
     /// Counts up whenever a union is made or dissolved.
     pub version: u64,
-    /// Whether the load of a joint without a limit has been asked for: from then on steps note what those need.
-    pub asked: AtomicBool,
     scratch: UnionScratch,
 }
 
@@ -161,12 +158,6 @@ impl Unions {
     pub(super) fn motion_of(&self, member: u32, union: &UnionMotion) -> UnionMotion {
         let place = self.place(member);
         union.at(place.offset, place.rotation)
-    }
-
-    /// Whether the loads of any of their joints are to be found, in every step or when somebody asks.
-    pub(super) fn asks_for_loads(&self) -> bool {
-        let asked = self.asked.load(Ordering::Relaxed) && !self.order.is_empty();
-        asked || self.iter().any(|union| union.wanted)
     }
 
     /// Number of the union that a body belongs to.

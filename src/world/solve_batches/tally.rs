@@ -2,37 +2,14 @@
 
 use super::BatchInput;
 use crate::solve::batch::{Batch, BatchManifolds};
-use crate::world::World;
-
-/// Manifolds whose multipliers are added up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Tallied {
-    None,
-    /// Those of members of unions: their joints bear what contacts do in the whole step, not in the last substep alone.
-    OfUnions,
-    /// All, as hits are told.
-    All,
-}
-
-impl World {
-    /// What is added up in this step: nothing that nobody wants to know.
-    pub(super) fn tallied(&self) -> Tallied {
-        if self.def.hit_threshold < f32::INFINITY {
-            Tallied::All
-        } else if self.unions.asks_for_loads() {
-            Tallied::OfUnions
-        } else {
-            Tallied::None
-        }
-    }
-}
 
 impl BatchInput<'_> {
-    /// Lists the manifolds of a batch that are added up.
+    /// Lists what is added up: everything where hits are told, else what presses on members of unions, whose joints bear what contacts do in the
+    /// whole step, not in the last substep alone. Whose loads somebody will ask for is known only when the step is over.
     pub(super) fn list_tallied(&self, batch: &mut Batch) {
         let BatchManifolds { list, tally, .. } = &mut batch.manifolds;
-        tally.is_on = self.tallied == Tallied::All;
-        if self.tallied != Tallied::OfUnions {
+        tally.is_on = self.tallied;
+        if self.tallied || self.unions.order.is_empty() {
             return;
         }
         for (number, &(slot, _)) in list.iter().enumerate() {
