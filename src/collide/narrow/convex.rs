@@ -1,13 +1,14 @@
 //! Any two convex parts: a direction from GJK and EPA, then clipping of the features that face each other along it.
 //!
 //! parry3d's GJK gives the direction between parts apart, its EPA the way out of an overlap. Near touching, both are noise
-//! in `f32`; what keeps a resting contact still is that a face as good as the direction found takes its place. A direction
-//! that does not keep what it promises, or none at all, is replaced by the best of the parts' own directions, so that
-//! no overlap is ever lost.
+//! in `f32`, and far from it too where one part is much longer than the other; what keeps a resting contact still is that a face as
+//! good as the direction found takes its place. An answer counts where its direction keeps what it promises and its points face
+//! each other along it. In place of any other, or of none at all, comes one found in `f64` (fine.rs) between the parts pulled apart along
+//! the best direction known, so that no overlap is ever lost.
 //!
-//! Both work on the parts scaled to 1, for their tolerances are absolute.
+//! parry3d works on the parts scaled to 1, for its tolerances are absolute.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use parry3d::math::Pose3;
 use parry3d::query::details::NormalConstraints;
 use parry3d::query::epa::EPA;
@@ -18,6 +19,7 @@ use super::clip;
 use super::convex_pair::ConvexPair;
 use super::distance::{self, ConvexGap, Nearest};
 use super::face::{self, Corner, Feature};
+use super::fine;
 use super::known_face::Known;
 use super::part::Part;
 use super::plane::ContactPlane;
@@ -40,14 +42,15 @@ const OVERHANG: f32 = 0.02;
 /// to belong to another triangle.
 const MAX_DEEPENING: f32 = 5.0;
 
-/// Searches before parry3d's answer is given up, each from another direction.
-const ATTEMPTS: u32 = 3;
+/// Most searches for a shorter way out, each from the last: pulled by a twentieth of its reach, a direction is off by some twentieth of
+/// what the last was, and a few are enough.
+const MAX_PULLS: u32 = 16;
 
-/// How far apart parts are moved so that GJK sees clearly, as a fraction of the smaller.
+/// A search that shortens the way out by no more than this is the last, as a fraction of the smaller part: a tenth of the slack.
+const EXACT: f32 = 1.0e-5;
+
+/// How far apart parts are moved so that nearest points show the direction, as a fraction of the smaller.
 const CLEARANCE: f32 = 0.05;
-
-/// Steps of the last resort for parts that do not touch.
-const MAX_APPROACH: u32 = 200;
 
 /// Feature of the nearest points, where they are no vertex of a clipped polygon.
 pub(super) const LONE: u32 = u32::MAX;
@@ -146,47 +149,46 @@ impl ConvexPair<'_> {
         let limit = (margin + self.radii) * scale;
         let (a, b) = (Core { part: self.a, scale }, Core { part: self.b, scale });
         let mut unsound: Option<ConvexGap> = None;
-        for attempt in 0..ATTEMPTS {
-            let seed = match (&unsound, attempt) {
-                (_, 0) => None,
-                (Some(gap), 1) => Some(gap.normal),
-                _ => Some(self.relative.translation.any_orthogonal_vector().try_normalize().unwrap_or(Vec3::Z)),
-            };
-            match distance::nearest(&a, &b, &pose, limit + SLACK.1, seed, epa) {
-                Nearest::Found(gap) => {
-                    let gap = ConvexGap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size, ..gap };
-                    if self.is_sound(&gap) {
-                        return self.within(gap, margin);
-                    }
-                    let is_unit = (gap.normal.length_squared() - 1.0).abs() < SLACK.0;
-                    unsound = Some(gap).filter(|_| is_unit).or(unsound);
+        match distance::nearest(&a, &b, &pose, limit + SLACK.1, epa) {
+            Nearest::Found(gap) => {
+                let gap = ConvexGap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size, ..gap };
+                if self.is_sound(&gap) {
+                    return self.within(gap, margin);
                 }
-                Nearest::Beyond(direction) if self.along(direction).distance() - self.radii > margin => return None,
-                Nearest::Beyond(_) => {}
+                let is_unit = (gap.normal.length_squared() - 1.0).abs() < SLACK.0;
+                unsound = Some(gap).filter(|_| is_unit);
             }
+            Nearest::Beyond(direction) if self.along(direction).distance() - self.radii > margin => return None,
+            Nearest::Beyond(_) => {}
         }
-        let apart = unsound.filter(|gap| gap.distance() > 0.0).and_then(|gap| self.approach(gap));
-        self.within(apart.unwrap_or_else(|| self.pull_apart((&a, &b), unsound, epa)), margin)
+        self.within(self.pull_apart(unsound), margin)
     }
 
-    /// Parts that touch, or nearly: from the best direction known, they are moved apart until GJK sees clearly, and what it
-    /// sees there is taken back if it is a shorter way out.
-    fn pull_apart(&self, (a, b): (&Core, &Core), unsound: Option<ConvexGap>, epa: &mut EPA) -> ConvexGap {
+    /// Parts that touch, or nearly: from the best direction known, they are moved until they are clearly apart, and what is nearest there is
+    /// taken back if it is a shorter way out. Where they are that far apart, it is the answer.
+    fn pull_apart(&self, unsound: Option<ConvexGap>) -> ConvexGap {
         let mut best = self.best_own_direction();
         if let Some(gap) = unsound.map(|gap| self.along(gap.normal))
             && gap.distance() > best.distance()
         {
             best = gap;
         }
-        for _ in 0..ATTEMPTS {
-            let shift = best.normal * (CLEARANCE * self.size - best.distance());
-            let pose = Pose3::from_parts((self.relative.translation + shift) / self.size, self.relative.rotation);
-            let Nearest::Found(gap) = distance::nearest(a, b, &pose, f32::MAX, Some(best.normal), epa) else { break };
-            let gap = ConvexGap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size - shift, ..gap };
-            if !self.is_sound(&gap) || gap.distance() <= best.distance() {
+        let mut depth = f64::from(best.distance());
+        for _ in 0..MAX_PULLS {
+            let shift = best.normal.as_dvec3() * f64::from((CLEARANCE * self.size - best.distance()).max(0.0));
+            let Some(points) = fine::nearest(self.a, self.b, self.relative, shift, best.normal.as_dvec3()) else { break };
+            let normal = points.offset().normalize();
+            let distance = normal.dot(points.offset() - shift);
+            let is_found = distance - depth <= f64::from(EXACT * self.size) || shift == DVec3::ZERO;
+            depth = distance;
+            best = ConvexGap {
+                on_a: points.on_a.as_vec3(),
+                on_b: (points.on_a + normal * distance).as_vec3(),
+                normal: normal.as_vec3(),
+            };
+            if is_found {
                 break;
             }
-            best = gap;
         }
         best
     }
@@ -195,28 +197,15 @@ impl ConvexPair<'_> {
         (gap.distance() - self.radii <= margin).then_some(gap)
     }
 
-    /// Whether the parts are as far apart along the normal as the points are.
+    /// Whether the parts are as far apart along the normal as the points are, and these face each other: of an overlap, only then is no
+    /// direction near the normal a shorter way out.
     pub(super) fn is_sound(&self, gap: &ConvexGap) -> bool {
         let promised = gap.distance();
         let kept = self.along(gap.normal).distance();
-        (gap.normal.length_squared() - 1.0).abs() < SLACK.0 && (kept - promised).abs() <= self.slack(promised)
-    }
-
-    /// Nearest points of parts that do not touch, from points not far from them (Gilbert 1966): slow, but it cannot stall.
-    fn approach(&self, mut gap: ConvexGap) -> Option<ConvexGap> {
-        for _ in 0..MAX_APPROACH {
-            let offset = gap.on_b - gap.on_a;
-            gap.normal = offset.try_normalize()?;
-            let extreme = self.along(gap.normal);
-            if offset.length() - extreme.distance() <= self.slack(offset.length()) {
-                return Some(gap);
-            }
-            let back = offset - (extreme.on_b - extreme.on_a);
-            let s = (offset.dot(back) / back.length_squared()).clamp(0.0, 1.0);
-            gap.on_a = gap.on_a.lerp(extreme.on_a, s);
-            gap.on_b = gap.on_b.lerp(extreme.on_b, s);
-        }
-        self.is_sound(&gap).then_some(gap)
+        let aside = (gap.on_b - gap.on_a - gap.normal * promised).length();
+        (gap.normal.length_squared() - 1.0).abs() < SLACK.0
+            && (kept - promised).abs() <= self.slack(promised)
+            && aside <= OVERHANG * (self.size + promised.abs())
     }
 
     fn slack(&self, distance: f32) -> f32 {

@@ -42,18 +42,10 @@ pub(super) enum Nearest {
     Beyond(Vec3),
 }
 
-/// Nearest points or least overlap of shapes not further apart than `limit`; the search starts along `seed`, and nothing that `epa` has kept
-/// is used but its memory.
-pub(super) fn nearest(
-    a: &impl SupportMap,
-    b: &impl SupportMap,
-    relative: &Pose3,
-    limit: f32,
-    seed: Option<Vec3>,
-    epa: &mut EPA,
-) -> Nearest {
+/// Nearest points or least overlap of shapes not further apart than `limit`; nothing that `epa` has kept is used but its memory.
+pub(super) fn nearest(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3, limit: f32, epa: &mut EPA) -> Nearest {
     let mut simplex = VoronoiSimplex::new();
-    let direction = seed.or_else(|| relative.translation.try_normalize()).unwrap_or(Vec3::X);
+    let direction = relative.translation.try_normalize().unwrap_or(Vec3::X);
     simplex.reset(CsoPoint::from_shapes(relative, a, b, direction));
     let found = |(on_a, on_b, normal): (Vec3, Vec3, Vec3)| Nearest::Found(ConvexGap { on_a, on_b, normal });
     match gjk::closest_points(relative, a, b, limit, true, &mut simplex) {

@@ -4,7 +4,7 @@
 //! collide ─┬─ a part against a part (part_pairs.rs) ─┬─ ball, capsule, box, the side of a cylinder: closed forms and clipping
 //!          │                                         ├─ half-space: the points nearest to its plane
 //!          │                                         ├─ triangle against ball, box: parry3d (triangle.rs)
-//!          │                                         ├─ the rest: GJK, EPA, clipping (convex.rs)
+//!          │                                         ├─ the rest: GJK, EPA, clipping (convex.rs), in f64 where they fail (fine.rs)
 //!          │                                         └─ with corners on what is round (lying.rs)
 //!          └─ composite.rs: parts of compounds, triangles of meshes and height fields near the other shape
 //! ```
@@ -32,6 +32,7 @@ mod convex_pair;
 mod cylinder;
 mod distance;
 mod face;
+mod fine;
 mod half_space;
 pub(crate) mod impact;
 mod known_face;

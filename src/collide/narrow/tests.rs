@@ -10,6 +10,7 @@ use super::box_box::{EDGE_LEAD, EDGE_LEAD_OF_SIZE};
 use super::*;
 use crate::shape::{Geometry, LocalPose};
 
+mod long;
 mod rest;
 
 fn manifolds(a: &Shape, b: &Shape, relative: Pose3, margin: f32) -> Vec<Manifold> {
