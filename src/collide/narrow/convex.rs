@@ -262,11 +262,17 @@ impl ConvexPair<'_> {
                 if of_a { (&buffers.corners_a, under_face.on_a) } else { (&buffers.corners_b, under_face.on_b) };
             let plane = ContactPlane::across(under_face.normal);
             if under_face.distance() > 0.0 || plane.is_over(corners, foot, OVERHANG * self.size) {
-                buffers.candidates.push(self.candidate(under_face.on_a, under_face.on_b, under_face.normal, LONE));
+                if buffers.candidates.is_empty() {
+                    self.beside_border(under_face.normal, buffers);
+                }
+                if !self.is_found(&under_face, &buffers.candidates) {
+                    buffers.candidates.push(self.candidate(under_face.on_a, under_face.on_b, under_face.normal, LONE));
+                }
                 return under_face.normal;
             }
         }
         self.facing_features(gap.normal, buffers);
+        self.beside_border(gap.normal, buffers);
         if !self.is_found(gap, &buffers.candidates) {
             buffers.candidates.push(self.candidate(gap.on_a, gap.on_b, gap.normal, LONE));
         }
@@ -368,6 +374,32 @@ impl ConvexPair<'_> {
                 candidates.extend((0..).zip(ends).map(|(feature, (a, b))| self.candidate(a, b, normal, feature)));
             }
             (Feature::Point, _) | (_, Feature::Point) => {}
+        }
+    }
+
+    /// Puts the ends of the line along which an edge lies beside one of the border of a face in place of the candidates, if it does: along a normal
+    /// that is not that of the face this is what touches, and clipped to the face an edge that has left it by a rounding has no end there, or
+    /// one. [`Self::facing_features`] has looked for the features.
+    fn beside_border(&self, normal: Vec3, buffers: &mut Buffers) {
+        let Buffers { corners_a, corners_b, candidates, .. } = buffers;
+        let of_a = corners_a.len() > 2;
+        let (face, edge) = if of_a { (corners_a, corners_b) } else { (corners_b, corners_a) };
+        let &[(from, _), (to, _)] = &edge[..] else { return };
+        let (lying, girth) = (Segment::between(from, to), self.a.girth().min(self.b.girth()));
+        let aside = |[low, high]: &[(Vec3, Vec3); 2]| {
+            [low, high]
+                .map(|(border, end)| (*end - *border).reject_from_normalized(normal).length_squared())
+                .into_iter()
+                .sum::<f32>()
+        };
+        let borders = face.iter().zip(face.iter().cycle().skip(1)).map(|(from, to)| Segment::between(from.0, to.0));
+        let lines = borders.filter(|_| face.len() > 2).filter_map(|border| border.side_by_side(&lying, normal, girth));
+        if let Some(line) = lines.min_by(|one, other| aside(one).total_cmp(&aside(other))) {
+            candidates.clear();
+            candidates.extend((0..).zip(line).map(|(feature, (border, end))| {
+                let (on_a, on_b) = if of_a { (border, end) } else { (end, border) };
+                self.candidate(on_a, on_b, normal, feature)
+            }));
         }
     }
 

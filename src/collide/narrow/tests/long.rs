@@ -98,3 +98,26 @@ proptest! {
         }
     }
 }
+
+/// Past the edge by a rounding, a cylinder clipped to the face had one point, in the middle or at an end, and a barrel that rolled off a shelf was
+/// turned askew.
+#[test]
+fn what_lies_along_an_edge_touches_it_with_both_ends() {
+    let shelf = Vec3::new(5.0, 0.2, 2.0);
+    let corner = |i: u32| 2.0 * shelf * (Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5);
+    let hull = Shape::new(Geometry::ConvexHull { points: (0..8).map(corner).collect() }).unwrap();
+    let shelves = [Shape::cuboid(shelf).unwrap(), hull];
+    for radius in [0.35, 0.05] {
+        let barrel = Shape::new(Geometry::Cylinder { half_height: 0.3, radius }).unwrap();
+        for (step, shelf_shape) in (0..1000).flat_map(|step| shelves.iter().map(move |shape| (step, shape))) {
+            let share = |k: u32| 1.0e-3 * ((step * 7 + k * 331) % 1000) as f32;
+            let (angle, height) = (1.3 * share(0), radius + 2.0e-3 * share(1) - 1.0e-3);
+            let position = Vec3::new(shelf.x + height * angle.sin(), shelf.y + height * angle.cos(), 0.1);
+            let rotation = Quat::from_rotation_x(0.25 * TAU) * Quat::from_rotation_y(TAU * share(2));
+            let found = manifolds(shelf_shape, &barrel, Pose3::from_parts(position, rotation), 0.01);
+            let ends = found.iter().flat_map(Manifold::contacts).map(|point| point.on_a.z);
+            let (low, high) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
+            assert!((low + 0.2).abs() < 1.0e-3 && (high - 0.4).abs() < 1.0e-3, "at {angle} rad: {found:?}");
+        }
+    }
+}
