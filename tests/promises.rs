@@ -73,6 +73,7 @@ mod sleeping;
 mod slender;
 mod slender_stops;
 mod sliding;
+mod small_hops;
 mod snapshots;
 mod soft_stops;
 mod spans;

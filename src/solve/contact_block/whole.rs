@@ -59,8 +59,8 @@ impl BlockView<'_> {
             put(&mut rows.lever_b, l, Vec3::ZERO);
             (rows.separation[l], rows.lambda[l]) = (0.0, 0.0);
         }
-        // One point alone continues itself: it has not inherited what others bore.
-        let hangs = count > 1 && (0..count).any(|i| self.rows(i).lambda[l] > 0.0 && input.separation[i] > input.touching);
+        // It may have inherited what others bore, or have been stopped here as it came down and then lost its rebound to another hit.
+        let hangs = (0..count).any(|i| self.rows(i).lambda[l] > 0.0 && input.separation[i] > input.touching);
         let block = &mut *self.block;
         block.hangs[l] = f32::from(u8::from(hangs));
         block.a[l] = input.a;
