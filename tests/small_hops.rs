@@ -67,29 +67,3 @@ fn balls_that_meet_as_they_come_down_do_not_stay_up() {
         }
     }
 }
-
-/// A ball at rest beside a sleeper woke it, as gravity might have carried the one and not the other into it.
-#[test]
-fn balls_side_by_side_let_each_other_sleep() {
-    for rate in [30.0_f32, 60.0] {
-        let (mut shares, dt) = (Shares(3), 1.0 / rate);
-        for pair in 0..60 {
-            let mut world = table(0.2);
-            let first = ball(&mut world, Vec3::Y * RADIUS, Vec3::ZERO, 0.06, 0.0);
-            for _ in 0..(2.0 * rate) as u32 {
-                world.step(dt).unwrap();
-            }
-            // It is pushed off by the other, and both come to rest millimetres apart, one after the other.
-            let at = Vec3::new(2.0 * RADIUS + 0.004 * shares.next() - 0.002, RADIUS, 0.0);
-            let second = ball(&mut world, at, Vec3::X * (0.03 + 0.03 * shares.next()), 0.06, 0.0);
-            for step in 0..(8.0 * rate) as u32 {
-                world.step(dt).unwrap();
-                let are_awake = [first, second].map(|ball| world.is_awake(ball).unwrap()) != [false; 2];
-                assert!(
-                    step as f32 <= 5.0 * rate || !are_awake,
-                    "pair {pair} at {rate} steps a second is awake after step {step}"
-                );
-            }
-        }
-    }
-}

@@ -22,8 +22,7 @@ pub(crate) struct ColliderState {
     pub position: DVec3,
     /// Speed at which the farthest point of the shape turns (m/s).
     pub turning: f32,
-    /// Factor on gravity; zero for what it does not pull. What sleeps has that of what is awake: else gravity, which moves neither of two that
-    /// lie side by side, would seem to drive the one against the other, and wake it.
+    /// Factor on gravity; zero for what it does not pull.
     fall: f32,
     pub rotation: Quat,
     pub velocity: Vec3,
@@ -108,7 +107,7 @@ impl ColliderState {
             least_extent: shape.least_extent,
             position: shape.place.0,
             turning: body.angular_velocity.length() * shape.reach,
-            fall: if body.is_free() && !body.quarantined { body.settings.gravity_scale } else { 0.0 },
+            fall: if body.is_free() && is_mover { body.settings.gravity_scale } else { 0.0 },
             rotation: shape.place.1,
             velocity: body.linear_velocity,
             offset: shape.offset_on(body),
