@@ -66,7 +66,7 @@ pub(crate) struct ContactBlock {
     pub tangent_mass: [Lane; 3],
     pub tangent_lambda: [Lane; 2],
     pub friction: Lane,
-    /// 1 where a point that begins the step under load is further off than what touches.
+    /// 1 where a point that begins the step under load is further off than what touches, or, alone, than a fall of a substep.
     pub hangs: Lane,
     /// Points of each manifold, and whether it begins with a multiplier of one of them.
     pub count: [u8; LANES],

@@ -6,6 +6,16 @@
 /// Scenes: net at 30 to 240 Hz, a tenth and ten times as large.
 /// Test: tests/catalogue.rs
 pub(crate) const MAX_HALVINGS: u32 = 2;
+/// Work budgets that all tries at a step share, and those beyond which no further try is begun.
+/// Why: with a budget for each try, and a least number of factors, a truss that broke up took 20 budgets in a step; with 2 and 3, boxes fell through a
+/// net at 30 Hz. A heavy load may take 3 at its first try.
+/// Scenes: net at 30 to 240 Hz; trusses, rafts, tents, armour and slings that break up or are struck.
+/// Test: tests/catalogue.rs
+pub(crate) const SHARED_BUDGETS: f64 = 4.0;
+/// Why: the same.
+/// Scenes: the same.
+/// Test: tests/catalogue.rs
+pub(crate) const MOST_BUDGETS: f64 = 6.0;
 /// Mass of what presses, over that of what a joint holds against it, from which on sweeps do not bear it.
 /// Why: a net of rods of 0.2 kg and 316 knots bears boxes of 8 kg by sweeps, and lets all of 30 kg fall through; planks of 10 kg bear
 /// walkers of 100 kg.

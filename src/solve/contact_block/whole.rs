@@ -59,8 +59,10 @@ impl BlockView<'_> {
             put(&mut rows.lever_b, l, Vec3::ZERO);
             (rows.separation[l], rows.lambda[l]) = (0.0, 0.0);
         }
-        // It may have inherited what others bore, or have been stopped here as it came down and then lost its rebound to another hit.
-        let hangs = (0..count).any(|i| self.rows(i).lambda[l] > 0.0 && input.separation[i] > input.touching);
+        // Some of several may have inherited what others bore. One alone may have been stopped in the air and then have lost its rebound to another
+        // hit; less than a fall of a substep it gapes in heaps, too.
+        let near = if count > 1 { input.touching } else { input.touching.max(reach) };
+        let hangs = (0..count).any(|i| self.rows(i).lambda[l] > 0.0 && input.separation[i] > near);
         let block = &mut *self.block;
         block.hangs[l] = f32::from(u8::from(hangs));
         block.a[l] = input.a;

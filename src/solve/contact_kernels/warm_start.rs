@@ -93,8 +93,9 @@ fn start<W: Wide, M: BlockManifolds>(
 /// load is off the point.
 ///
 /// Where a point is further off than what touches, it may only have inherited its load: a manifold has turned with its body, or is that of a pose
-/// to come, or a hit has taken the rebound of what was stopped above the ground. There a gap counts as closed up to λ/m h, the way by which the multiplier λ alone parts the bodies within a substep, which what a
-/// sweep leaves is a share of. Beyond, the point bears nothing: taken for loaded, it would hold the body up in the air for ever. In stacks of
+/// to come, or a hit has taken the rebound of what was stopped above the ground. There a gap counts as closed up to λ/m h, the way by which the
+/// multiplier λ alone parts the bodies within a substep, which what a sweep leaves is a share of. Beyond, the point bears nothing: taken for loaded, it
+/// would hold the body up in the air for ever. In stacks of
 /// thousands (`many_contacts`) gaps that touch may be greater than that, so it is not asked of these.
 #[inline(always)]
 pub(super) fn close_in<W: Wide, M: BlockManifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
