@@ -10,7 +10,8 @@
 //! ```
 //!
 //! At constant velocity a row then acts only where its features overlap at t. Bodies in joints are taken as they stand: blows on swept joints
-//! come out otherwise there. Nor is a pair followed that the planes found at the start keep apart through the step.
+//! come out otherwise there. But what is round, and goes far over them before it touches, is followed: from where it was its normal would be that
+//! of an edge. Nor is a pair followed that the planes found at the start keep apart through the step.
 //!
 //! Flat faces that press are taken as they lie: their normal is the same all along, and stacks stand on points that stay. Those that do not
 //! press are followed to see whether they meet at all, and along which normal: a block that flies past an edge does not, and one that
@@ -48,6 +49,10 @@ pub(crate) const FLUSH: f32 = 2.0e-3;
 /// Stride at which a pair that may meet is looked at, over the lesser least extent: whatever overlaps does so for at least two strides,
 /// and the axis of least overlap is still that of the surface that was met.
 pub(super) const STRIDE: f32 = 0.25;
+
+/// Way in a step from which on what joints hold is followed to where something round without joints meets it, over the lesser least extent: from less far
+/// off the normal is that of what is met, but for what passes an edge.
+const SWIFT: f32 = STRIDE;
 
 /// Strides up to which all are taken; a longer way is walked by the distances found.
 const FEW_STRIDES: f32 = 2.0;
@@ -97,6 +102,11 @@ pub(super) struct Reach<'a> {
 }
 
 impl Reach<'_> {
+    /// Whether the pair carries no load, one side is free of joints, and the two may go far: where they come to lie is not seen from the start then.
+    fn is_swift(&self, [of_a, of_b]: [&Follow; 2], extent: f32) -> bool {
+        !self.is_pressed && !(of_a.is_jointed && of_b.is_jointed) && self.motion > SWIFT * extent
+    }
+
     /// Whether the pair carries load along a normal: where a face has just come over an edge, the least overlap may be that of its side.
     fn is_pressed_along(&self, normal: Option<Vec3>) -> bool {
         let is_known = |normal: Vec3| self.before.iter().any(|manifold| manifold.normal.dot(normal) >= ANOTHER_NORMAL);
@@ -133,6 +143,7 @@ pub(super) fn collide(
     // What cannot be pushed does not tip over on what is round, which touches it at one point then.
     let turn = |of: &Follow, other: &Follow| if other.is_free { of.angular.length() * step.dt } else { f32::INFINITY };
     found.scratch.turns = [turn(of_a, of_b), turn(of_b, of_a)];
+    let is_held = is_jointed && !(is_round && reach.is_swift([of_a, of_b], a.least_extent.min(b.least_extent)));
     if is_jointed || !is_round || !reach.is_pressed {
         found.collide(shapes, start, reach.margin);
         let nearest = found.nearest();
@@ -140,12 +151,12 @@ pub(super) fn collide(
         let is_open = is_round && found.manifolds.is_empty() && shapes.iter().any(|shape| !shape.geometry().is_solid());
         // Flat faces that press are taken as they lie.
         let is_settled = !is_round && reach.is_pressed_along(found.nearest_normal());
-        if is_jointed && !reach.is_pressed && nearest > 0.0 && [of_a, of_b].iter().any(|of| of.is_free_and_turns(step.dt)) {
+        if is_held && !reach.is_pressed && nearest > 0.0 && [of_a, of_b].iter().any(|of| of.is_free_and_turns(step.dt)) {
             let spins = [a.rotation.conjugate() * of_a.angular, b.rotation.conjugate() * of_b.angular];
             let approach = PairApproach { a, b, spins, angular: [of_a.angular, of_b.angular], is_turned: [false; 2], step };
             approach.leave_what_passes_by(shapes, nearest, reach.margin, found);
         }
-        if is_jointed || is_settled || (nearest > reach.motion && !is_open) {
+        if is_held || is_settled || (nearest > reach.motion && !is_open) {
             return;
         }
     }

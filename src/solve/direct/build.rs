@@ -278,6 +278,9 @@ impl<R: BatchRecords> BuildInput<'_, R> {
             let (own, other) = if body_is_b { (contact.b, contact.a) } else { (contact.a, contact.b) };
             let [own, other] = [own, other].map(|slot| self.number_of(slot, &mut taker));
             let mut touch = ArticulationContact::new(number, contact, body_is_b, own, other, is_carried);
+            if !contact.presses() {
+                touch.lie(self.records.offset(number));
+            }
             if !is_carried && let Some(([of_a, of_b], reach)) = self.records.curvature(number, body_is_b) {
                 touch.curve(if body_is_b { [of_b, of_a] } else { [of_a, of_b] }, reach);
             }

@@ -89,6 +89,11 @@ impl ArticulationContact {
         self.lambda.iter().any(|&lambda| lambda > 0.0)
     }
 
+    /// Takes note of how far B's points lie from A's at the start of the step (m).
+    pub(crate) fn lie(&mut self, offset: DVec3) {
+        self.spots.lie(offset * self.sign);
+    }
+
     /// Lets it follow surfaces with these shape operators in world axes, of the body and of the other (1/m); `reach` is that of the
     /// body from its centre of mass (m).
     pub(crate) fn curve(&mut self, operators: [DMat3; 2], reach: f64) {
@@ -138,7 +143,7 @@ impl ArticulationContact {
         let sides = [self.body, self.other].map(|body| body as usize);
         // What follows surfaces has been followed up to now.
         if self.spots.curved().is_none() {
-            carry(spots, sides.map(|body| way(&local_poses[body], &began[body])));
+            carry(spots, self.spots.aside(), sides.map(|body| way(&local_poses[body], &began[body])));
         }
         let other = &rates[self.other as usize];
         // What is moved too has its speed in the rows.

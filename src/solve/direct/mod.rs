@@ -148,6 +148,8 @@ pub(crate) trait BatchRecords {
     /// Shape operators of both surfaces of the contact of this number in world axes (1/m), where both are smooth, and how far its
     /// body B, or else A, reaches from its centre of mass (m).
     fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)>;
+    /// How far the first point of a contact on B is from that on A (m, world axes).
+    fn offset(&self, contact: u32) -> DVec3;
 }
 
 impl Direct {

@@ -16,6 +16,10 @@ const ONE_SPOT: f64 = 1.0e-3;
 /// below half a radian, it misses by less than 0.05 of it.
 const MISSED: f64 = 0.1;
 
+/// How far points may lie aside of each other for surfaces to be followed from there, over the lesser reach of the two: to second order in the turn of
+/// a normal, which is about that.
+const FOLLOWED: f64 = 0.1;
+
 /// Where the points of a manifold were at the start of the step, as one of its bodies sees them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TrackedPoints {
@@ -23,6 +27,9 @@ pub(crate) struct TrackedPoints {
     pub count: usize,
     /// How the surfaces curve, where that is known and they are not flat on each other.
     curved: Option<Curved>,
+    /// How far the body's points lie from the other's across the normal at the start of the step (m): those of two that meet later in it are of where
+    /// they will.
+    aside: DVec3,
 }
 
 impl TrackedPoints {
@@ -36,13 +43,20 @@ impl TrackedPoints {
             other_lever: others[i].as_dvec3(),
             separation: if i < input.count { f64::from(input.separation[i]) } else { f64::INFINITY },
         });
-        Self { began, count: input.count, curved: None }
+        Self { began, count: input.count, curved: None, aside: DVec3::ZERO }
+    }
+
+    /// Takes note of how far the body's points lie from the other's at the start of the step (m).
+    pub(crate) fn lie(&mut self, offset: DVec3) {
+        self.aside = offset.reject_from_normalized(self.normal());
     }
 
     /// Lets them follow surfaces with these shape operators in world axes, of the body and of the other (1/m); `reach` is how far they
     /// may wander (m).
     pub(crate) fn curve(&mut self, operators: [DMat3; 2], reach: f64) {
-        self.curved = Curved::new(operators, self.normal(), reach);
+        // What has been found where the two meet is of there: from far off it is not followed, but taken as it is.
+        let is_near = self.aside.length_squared() <= (FOLLOWED * reach).powi(2);
+        self.curved = if is_near { Curved::new(operators, self.normal(), reach) } else { None };
     }
 
     /// Brings points that are older than the poses to where the surfaces are tangent now, as B sees them: outward normals of A and of B at
@@ -71,6 +85,11 @@ impl TrackedPoints {
 
     pub(crate) fn curved(&self) -> Option<&Curved> {
         self.curved.as_ref()
+    }
+
+    /// How far the body's points lay from the other's across the normal at the start of the step (m).
+    pub(crate) fn aside(&self) -> DVec3 {
+        self.aside
     }
 
     /// Mean distance of the points from their middle (m).
@@ -109,8 +128,8 @@ pub(crate) fn way(now: &LocalPose, began: &LocalPose) -> [DVec3; 2] {
 ///
 /// It goes with the one whose middle it is nearer to, and turns with that about the normal. A link that lies across an edge and turns on it is
 /// pressed on its own line still; beside that line, the push would spin it about itself. What rolls is not taken along by what it turns across the
-/// normal. Says whether it goes with the body.
-pub(crate) fn carry(spots: &mut [CurvedPoint], [own, other]: [[DVec3; 2]; 2]) -> bool {
+/// normal. Levers of two that meet within the step are those of where they do: up to then they stay. Says whether it goes with the body.
+pub(crate) fn carry(spots: &mut [CurvedPoint], apart: DVec3, [own, other]: [[DVec3; 2]; 2]) -> bool {
     let normal = spots[0].normal;
     let aside = |lever: DVec3| lever.reject_from_normalized(normal);
     let middles: [DVec3; 2] = [spots.iter().map(|spot| spot.lever).sum(), spots.iter().map(|spot| spot.other_lever).sum()];
@@ -121,8 +140,19 @@ pub(crate) fn carry(spots: &mut [CurvedPoint], [own, other]: [[DVec3; 2]; 2]) ->
     for spot in spots {
         let lever = if leads { spot.lever } else { spot.other_lever };
         let goes = way + about * lever - lever;
-        spot.lever += aside(goes - own[0]);
-        spot.other_lever += aside(goes - other[0]);
+        let past = |moved: DVec3, began: DVec3| {
+            let moved = aside(moved);
+            let gone = moved + began;
+            let comes = moved.dot(began) <= 0.0 && gone.dot(began) > 0.0;
+            if comes { DVec3::ZERO } else { gone }
+        };
+        if leads {
+            spot.lever += aside(goes - own[0]);
+            spot.other_lever += past(goes - other[0], apart);
+        } else {
+            spot.lever += past(goes - own[0], -apart);
+            spot.other_lever += aside(goes - other[0]);
+        }
     }
     leads
 }
@@ -141,7 +171,7 @@ pub(crate) fn middles(spots: &[CurvedPoint]) -> [DVec3; 2] {
 /// is left out: of a slender body that spins the term would answer to its own force.
 pub(crate) fn slip_of_turn(spots: &mut [CurvedPoint], rates: [&Rate; 2], h: f64) -> DVec3 {
     let [own, other] = middles(spots);
-    let leads = carry(spots, rates.map(|rate| [rate.linear * (0.5 * h), rate.angular * (0.5 * h)]));
+    let leads = carry(spots, DVec3::ZERO, rates.map(|rate| [rate.linear * (0.5 * h), rate.angular * (0.5 * h)]));
     let [own_later, other_later] = middles(spots);
     if leads { -rates[1].angular.cross(other_later - other) } else { rates[0].angular.cross(own_later - own) }
 }

@@ -77,6 +77,9 @@ pub(crate) trait IslandRecords {
     fn surfaces(&self, contact: u32) -> Option<Surfaces>;
     /// Where both surfaces are at the points of the contact of this number.
     fn tangency(&self, contact: u32) -> Tangency;
+
+    /// How far the first point of a manifold on B is from that on A (m, world axes).
+    fn offset(&self, contact: u32) -> DVec3;
 }
 
 /// Outward normals of A's and of B's surface at each point of a manifold, and how far the point on B is from that on A (m), in world axes.
@@ -254,6 +257,9 @@ fn take_in(
         let ends = [contact.a, contact.b].map(|slot| islands[place].local(slot, velocities, motions));
         let mut patch = Patch::new(contact, ends);
         patch.scale_impulses(f64::from(share));
+        if !contact.presses() {
+            patch.lie(records.offset(number as u32));
+        }
         // What no joint holds has been collided as it will stand when it presses.
         let is_jointed = [contact.a, contact.b].iter().any(|&slot| motions[slot as usize].jointed);
         if let Some(surfaces) = records.surfaces(number as u32).filter(|_| is_jointed) {

@@ -86,6 +86,11 @@ impl Patch {
         self.twist *= factor;
     }
 
+    /// Takes note of how far B's points lie from A's at the start of the step (m).
+    pub(crate) fn lie(&mut self, offset: DVec3) {
+        self.spots.lie(offset);
+    }
+
     /// Lets it follow surfaces that bend. Only a side that forces may turn rolls on the other.
     pub(crate) fn curve(&mut self, ([of_a, of_b], [reach_a, reach_b]): Surfaces, turns: [bool; 2]) {
         let normal = self.spots.normal();
@@ -139,7 +144,7 @@ impl Patch {
         let [a, b] = self.bodies.map(|body| [&local_poses[body], &began[body]]);
         // What follows surfaces has been followed up to now.
         if self.spots.curved().is_none() {
-            carry(spots, [b, a].map(|[now, began]| way(now, began)));
+            carry(spots, self.spots.aside(), [b, a].map(|[now, began]| way(now, began)));
         }
         let first = terms.len() as u32;
         self.first = first;

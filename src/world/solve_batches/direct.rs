@@ -44,6 +44,10 @@ impl BatchRecords for Within<'_> {
         let (operators, reaches) = self.surfaces(contact, shape_operator)?;
         Some((operators, reaches[usize::from(of_b)]))
     }
+
+    fn offset(&self, contact: u32) -> DVec3 {
+        Within::offset(self, contact)
+    }
 }
 
 impl IslandRecords for Within<'_> {
@@ -58,6 +62,10 @@ impl IslandRecords for Within<'_> {
 
     fn surfaces(&self, contact: u32) -> Option<Surfaces> {
         Within::surfaces(self, contact, shape_operator_with_rims)
+    }
+
+    fn offset(&self, contact: u32) -> DVec3 {
+        Within::offset(self, contact)
     }
 
     fn tangency(&self, contact: u32) -> Tangency {
@@ -80,6 +88,18 @@ impl IslandRecords for Within<'_> {
 }
 
 impl Within<'_> {
+    /// How far the first point of a contact on B is from that on A (m, world axes).
+    fn offset(&self, contact: u32) -> DVec3 {
+        let (slot, manifold) = self.manifolds[contact as usize];
+        let pair = self.world.pairs.get(slot);
+        let manifold = pair.manifolds.get(manifold as usize);
+        let (a, b) = pair.key.shapes();
+        let [a, b] = [a, b].map(|shape| &self.world.colliders[shape]);
+        let [to_a, to_b] = [a, b].map(|collider| collider.place.1.as_dquat());
+        let point = &manifold.points[0];
+        b.place.0 - a.place.0 + to_b * point.on_b.as_dvec3() - to_a * point.on_a.as_dvec3()
+    }
+
     /// Surfaces of a contact, of which `operator` says how they bend.
     fn surfaces(&self, contact: u32, operator: impl Fn(&Shape, Vec3, Vec3) -> Option<Mat3>) -> Option<Surfaces> {
         let (slot, manifold) = self.manifolds[contact as usize];
