@@ -400,7 +400,7 @@ fn what_comes_fast_onto_a_face_that_a_hinge_holds_keeps_its_speed_along_it() {
         for case in 0..20 {
             let mut dice = oracle::dice(case);
             let spot = DVec3::new(-0.26 + dice.between(-0.2, 0.2), 0.0, dice.between(-0.2, 0.2));
-            let turn = dice.between(0.0, 6.28) as f32;
+            let turn = dice.between(0.0, std::f64::consts::TAU) as f32;
             let velocity = Vec3::new(0.77 * turn.cos(), -0.64, 0.77 * turn.sin()) * speed;
             for is_door in [true, false] {
                 let mut scene = Plates::new(is_door, radius, velocity, spot, rate);

@@ -104,7 +104,8 @@ pub(super) struct Reach<'a> {
 impl Reach<'_> {
     /// Whether the pair carries no load, one side is free of joints, and the two may go far: where they come to lie is not seen from the start then.
     fn is_swift(&self, [of_a, of_b]: [&Follow; 2], extent: f32) -> bool {
-        !self.is_pressed && !(of_a.is_jointed && of_b.is_jointed) && self.motion > SWIFT * extent
+        let is_held = self.is_pressed || of_a.is_jointed && of_b.is_jointed;
+        !is_held && self.motion > SWIFT * extent
     }
 
     /// Whether the pair carries load along a normal: where a face has just come over an edge, the least overlap may be that of its side.
