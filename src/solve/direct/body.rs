@@ -9,6 +9,7 @@ use glam::{DMat3, DQuat, DVec3};
 use super::super::integrate;
 use super::super::joint::LocalPose;
 use super::super::joint::body_response::BodyResponse;
+use super::super::joint::locks::Freedom;
 use super::super::joint::rows::Rate;
 use super::super::rotation::{self, SubstepRotation, Top};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
@@ -86,6 +87,11 @@ impl DirectBody {
     /// Whether none of its axes is locked.
     pub(crate) fn is_free(&self) -> bool {
         self.free_mass().is_some()
+    }
+
+    /// Along and about what rows move it.
+    pub(crate) fn freedom(&self) -> Freedom {
+        if self.is_dynamic() { Freedom::new(self.undamped, self.top.free, self.top.inertia) } else { Freedom::NONE }
     }
 
     /// Inertia in world axes (kg·m²).

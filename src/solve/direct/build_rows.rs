@@ -17,6 +17,7 @@ use crate::solve::joint::body_response::{BodyResponse, MotorAnswers};
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds;
+use crate::solve::joint::locks::{self, Freedom};
 use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::row_sink::RowSink;
 use crate::solve::joint::rows::{HeldDirections, Jacobian, Phase, Rate, RowRates};
@@ -180,6 +181,7 @@ impl Articulation {
         } else {
             kinds::add_rows(&mut sink);
         }
+        locks::take_out(&mut sink, Freedom::of_both(bodies[a].freedom(), bodies[b].freedom()));
         self.is_under_way |= sink.is_under_way;
         let (point, direction, arrives) = (sink.point, sink.direction, sink.arrives);
         entry.pressed |= if in_place { 0 } else { arrives };

@@ -32,6 +32,7 @@ use crate::solve::joint::body_response::MotorAnswers;
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds;
+use crate::solve::joint::locks::{self, Freedom};
 use crate::solve::joint::row_sink::RowSink;
 use crate::solve::joint::rows::{Phase, Rate, RowRates, ScalarRow};
 use crate::solve::joint::{LocalPose, rebound};
@@ -305,7 +306,8 @@ impl Articulation {
         let mut sink =
             RowSink { driven, answers, ..RowSink::new(geometry, &joints[entry.joint].def, all, angles, &mut self.asked) };
         kinds::add_rows(&mut sink);
-        let stops = sink.scalars.iter().filter(|row| row.is_stop());
+        locks::take_out(&mut sink, Freedom::of_both(bodies[0].freedom(), bodies[1].freedom()));
+        let stops = sink.scalars.iter().filter(|row| row.is_stop() && row.acts);
         let state = |row: &ScalarRow| StopState {
             id: row.id,
             distance: row.bias,

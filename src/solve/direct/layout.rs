@@ -8,6 +8,7 @@ use super::body::DirectBody;
 use super::topology::{NodeBodies, Topology};
 use super::wide_integrator;
 use crate::solve::joint::JointEntry;
+use crate::solve::joint::locks::Freedom;
 
 /// Least size of an articulation without levers (m).
 const MIN_SIZE: f64 = 1.0e-3;
@@ -28,7 +29,10 @@ pub(crate) fn are_few(rows: u64, joint_work: u64) -> bool {
 fn link_of(entry: &JointEntry, ends: [u32; 2], bodies: &[DirectBody]) -> NodeBodies {
     let capacity = u32::from(entry.traits.most_rows) + if entry.is_distance { 2 } else { 0 };
     let moves = ends.map(|body| bodies[body as usize].is_dynamic());
-    NodeBodies { bodies: ends, moves, capacity, is_plain: entry.traits.is_plain, is_contact: false }
+    // What locks hold of its points is no row.
+    let [a, b] = ends.map(|body| bodies[body as usize].freedom());
+    let is_plain = entry.traits.is_plain && Freedom::of_both(a, b).is_none();
+    NodeBodies { bodies: ends, moves, capacity, is_plain, is_contact: false }
 }
 
 /// A body has more contacts than the nodes of its joints hold.

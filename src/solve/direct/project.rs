@@ -13,6 +13,7 @@ use crate::solve::joint::angles;
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds;
+use crate::solve::joint::locks::{self, Freedom};
 use crate::solve::joint::row_sink::RowSink;
 use crate::solve::joint::rows::{Phase, Rate, RowRates, ScalarRow};
 
@@ -130,7 +131,10 @@ impl Articulation {
         let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], self.left);
         let stops = self.stops.get(number).filter(|_| self.coupled);
         let are_stops_far = stops.is_some_and(|stops| stops.still_hold(&placement));
-        if let Some(errors) = kinds::held_errors(&joint.def, &placement, !are_stops_far) {
+        let [own, other] = link.bodies.map(|body| self.bodies[body as usize].freedom());
+        let locks = Freedom::of_both(own, other);
+        let held = || kinds::held_errors(&joint.def, &placement, !are_stops_far);
+        if let Some(errors) = locks.is_none().then(held).flatten() {
             return errors;
         }
         let driven = joint.drive().map(|drive| DrivenParts::new(drive, [&a, &b], &placement, [self.left; 2]));
@@ -142,6 +146,7 @@ impl Articulation {
             ..RowSink::new(JointGeometry::at(&placement), &joint.def, all, entry.angles, &mut self.asked)
         };
         kinds::add_rows(&mut sink);
+        locks::take_out(&mut sink, locks);
         [sink.point, sink.direction].map(|row| row.filter(|row| row.acts).map_or(DVec3::ZERO, |row| row.bias))
     }
 

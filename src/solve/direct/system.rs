@@ -114,7 +114,7 @@ impl System {
         if let Some(block) = point {
             let mut axes = block.held.axes();
             let mut all = [repeats; 3];
-            if repeats == Redundancy::InLine {
+            if repeats == Redundancy::InLine && matches!(block.held, HeldDirections::All) {
                 all = [Redundancy::Often; 3];
                 if let Some(rows::BlockRow { held: HeldDirections::Across(axis), .. }) = direction {
                     let (u, v) = rows::across(*axis);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::lanes::Holds;
-use super::{BatchJoints, JointEntry, JointLink, Visit, reach};
+use super::{BatchJoints, JointEntry, JointLink, Visit, reach, singles};
 use crate::id::{JointId, Pool};
 use crate::joint::Softness;
 use crate::joint_record::Joint;
@@ -60,7 +60,9 @@ impl BatchJoints {
         for (number, link) in left.unwrap_or(links).iter().enumerate() {
             let end = |slot: u32| (slot, body_flags[slot as usize].moves());
             let color = coloring.assign(end(link.a), end(link.b));
-            let holds = color.filter(|_| !link.traits.has_friction).and_then(|_| {
+            // What locks hold is told one by one.
+            let is_locked = || singles::locks_of(&entries[number], velocities, motions).is_some();
+            let holds = color.filter(|_| !link.traits.has_friction && !is_locked()).and_then(|_| {
                 // Most joints of a net are plain: known without reading their records.
                 if link.traits.is_plain {
                     return Some(Holds::Points);

@@ -25,6 +25,7 @@ pub(crate) mod kinds;
 mod lanes;
 mod layout;
 mod link;
+pub(crate) mod locks;
 pub(crate) mod motor;
 mod prismatic;
 pub(crate) mod reach;

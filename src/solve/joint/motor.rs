@@ -123,6 +123,8 @@ impl RowSink<'_> {
                 let (u, v) = axis.any_orthonormal_pair();
                 [Some(u), Some(v), None]
             }
+            HeldDirections::Along(axis) => [Some(axis), None, None],
+            HeldDirections::Nothing => [None; 3],
         };
         if let Some(block) = self.point.as_ref().filter(|block| block.gamma == 0.0) {
             for axis in axes(block.held).into_iter().flatten() {

@@ -113,12 +113,12 @@ impl RowSink<'_> {
         // B's point slides in A's frame, there.
         let (lever_a, lever_b) = match held {
             HeldDirections::All => (g.gradient.a.lever + 0.5 * g.gradient.gap, g.gradient.b.lever - 0.5 * g.gradient.gap),
-            HeldDirections::Across(_) => (g.gradient.a.lever + g.gradient.gap, g.gradient.b.lever),
+            _ => (g.gradient.a.lever + g.gradient.gap, g.gradient.b.lever),
         };
         // Where B slides, the error is what A sees of it: in world axes A's turning would move a gap along the free direction.
         let seen = |placement: &Placement| match held {
             HeldDirections::All => placement.gap,
-            HeldDirections::Across(_) => g.gradient.a.frame * placement.local_gap(),
+            _ => g.gradient.a.frame * placement.local_gap(),
         };
         let (start, predicted) = g.read(seen);
         let error = Error3 { start, predicted };

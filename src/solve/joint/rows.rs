@@ -203,6 +203,10 @@ pub(crate) enum HeldDirections {
     All,
     /// Those orthogonal to this one.
     Across(DVec3),
+    /// This one.
+    Along(DVec3),
+    /// None.
+    Nothing,
 }
 
 impl HeldDirections {
@@ -214,6 +218,8 @@ impl HeldDirections {
                 let (u, v) = across(axis);
                 ([u, v, DVec3::ZERO], 2)
             }
+            Self::Along(axis) => ([axis, DVec3::ZERO, DVec3::ZERO], 1),
+            Self::Nothing => ([DVec3::ZERO; 3], 0),
         }
     }
 }
@@ -229,6 +235,8 @@ impl HeldDirections {
         match self {
             Self::All => v,
             Self::Across(axis) => v - axis * axis.dot(v),
+            Self::Along(axis) => axis * axis.dot(v),
+            Self::Nothing => DVec3::ZERO,
         }
     }
 }

@@ -9,6 +9,7 @@ use super::body_response::{BodyResponse, MotorAnswers};
 use super::driven::{self, DrivenParts};
 use super::geometry::{JointGeometry, Placement};
 use super::kinds;
+use super::locks::{self, Freedom};
 use super::rebound;
 use super::row_sink::RowSink;
 use super::rows::{self, Phase, Rate, RowRates};
@@ -222,6 +223,7 @@ impl Singles {
                 ..RowSink::new(geometry, &joint.def, velocity, entry.angles, &mut self.asked)
             };
             kinds::add_rows(&mut sink);
+            locks::take_out(&mut sink, locks_of(entry, velocities, motions));
             let (rates, point, direction) = (sink.rates, sink.point, sink.direction);
             if entry.restitution > 0.0 && !again {
                 let force = |slot: u32| Rate { linear: motions[slot as usize].acceleration.as_dvec3(), angular: DVec3::ZERO };
@@ -413,6 +415,7 @@ impl Singles {
                 ..RowSink::new(JointGeometry::at(&placement), &joint.def, position, entry.angles, &mut self.asked)
             };
             kinds::add_rows(&mut sink);
+            locks::take_out(&mut sink, locks_of(entry, velocities, motions));
             let (point, direction) = (sink.point, sink.direction);
             if let Some(row) = direction {
                 BlockRow::direction(&row, [&a, &b]).solve_direction(&mut a, &mut b);
@@ -428,6 +431,18 @@ impl Singles {
             motions[entry.b as usize].displace(b.linear, b.angular);
         }
     }
+}
+
+/// Along and about what the rows of a joint move its bodies, where both have locked axes.
+pub(super) fn locks_of(entry: &JointEntry, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<[Freedom; 2]> {
+    let of = |slot: u32| match &motions[slot as usize] {
+        motion if motion.is_dynamic() => {
+            let inverse_mass = velocities[slot as usize].inverse_mass.as_dvec3();
+            Freedom::new(inverse_mass, motion.free_rotation().as_dvec3(), motion.inertia.as_dvec3())
+        }
+        _ => Freedom::NONE,
+    };
+    Freedom::of_both(of(entry.a), of(entry.b))
 }
 
 /// How a body answers to its motor.

@@ -34,6 +34,11 @@ fn inverse_on(held: HeldDirections, k: Mat3) -> Mat3 {
             }
             (outer(u, u) * c - across * b + outer(v, v) * a) * (1.0 / determinant)
         }
+        HeldDirections::Along(axis) => {
+            let axis = axis.as_vec3();
+            of_rank_one(Mat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z) * axis.dot(k * axis))
+        }
+        HeldDirections::Nothing => Mat3::ZERO,
     }
 }
 

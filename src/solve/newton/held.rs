@@ -15,6 +15,7 @@ use crate::linalg::narrowing;
 use crate::solve::direct::body::DirectBody;
 use crate::solve::joint::body_response::{BodyResponse, CoordinateAnswer};
 use crate::solve::joint::kinds::{self, MotorRows};
+use crate::solve::joint::locks::Freedom;
 use crate::solve::joint::rows::{Jacobian, Rate, ScalarRow};
 use crate::solve::joint::{JointEntry, LocalPose, driven, gap_of, gap_without_limits};
 
@@ -101,6 +102,7 @@ impl<'a> Ends<'a> {
             local_poses: ends.map(|body| local_poses[body]),
             rates: ends.map(|body| rates[body]),
             answers: ends.map(|body| if is_asked { bodies[body].answer_at(&local_poses[body]) } else { BodyResponse::NONE }),
+            locks: Freedom::of_both(bodies[ends[0]].freedom(), bodies[ends[1]].freedom()),
             in_loop: None,
             moved: ends.map(|body| moved[body]),
             h,

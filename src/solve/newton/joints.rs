@@ -11,6 +11,7 @@ use crate::solve::joint::body_response::{BodyResponse, CoordinateAnswer, MotorAn
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds;
+use crate::solve::joint::locks::{self, Freedom};
 use crate::solve::joint::row_sink::RowSink;
 use crate::solve::joint::rows::{self, HeldDirections, MAX_RECOVERY_SPEED, Phase, Rate, RowRates};
 use crate::solve::joint::{JointEntry, LocalPose, friction};
@@ -71,6 +72,8 @@ pub(super) struct Asking<'a> {
     pub local_poses: [LocalPose; 2],
     pub rates: [Rate; 2],
     pub answers: [BodyResponse; 2],
+    /// Along and about what they move, where both have locked axes.
+    pub locks: Option<[Freedom; 2]>,
     /// How all that joints hold answers, where its servos are to know.
     pub in_loop: Option<CoordinateAnswer<'a>>,
     /// Numbers by which rows know them.
@@ -107,6 +110,7 @@ impl Asking<'_> {
             ..RowSink::new(JointGeometry::at(placement), &joint.def, (phase, rates), entry.angles, scalars)
         };
         kinds::add_rows(&mut sink);
+        locks::take_out(&mut sink, self.locks);
         let (blocks, arrives, is_under_way) = ([sink.point, sink.direction], sink.arrives, sink.is_under_way);
         entry.pressed |= if in_place { 0 } else { arrives };
         (blocks, is_under_way)
@@ -124,12 +128,8 @@ impl Asking<'_> {
         let placement = self.placement(entry);
         let (blocks, _) = self.blocks(entry, &placement, Phase::Position { most: MAX_RECOVERY_SPEED * self.h }, scalars);
         // A free axis has turned with its body, and how far B is along it is no error.
-        let [point, direction] = blocks.map(|block| {
-            block.filter(|block| block.acts).map_or(DVec3::ZERO, |block| match block.held {
-                HeldDirections::All => block.bias,
-                HeldDirections::Across(axis) => block.bias.reject_from_normalized(axis),
-            })
-        });
+        let [point, direction] =
+            blocks.map(|block| block.filter(|block| block.acts).map_or(DVec3::ZERO, |block| block.held.project(block.bias)));
         let of = |source: &Source, give: f64| match source.place {
             MultiplierSlot::Point => point.dot(source.linear),
             MultiplierSlot::Direction => direction.dot(source.angular),
