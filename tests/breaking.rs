@@ -197,3 +197,55 @@ fn a_joint_above_its_limit_is_told_of_in_every_step_and_one_below_it_sleeps() {
         }
     }
 }
+
+/// A ball of 10 kg that hangs on the world by a distance joint (`side` 1) or is borne up by it (−1), along a direction that the joint's frames know
+/// nothing of: its share of a limit of `limit` N along the line, or whether that has broken it. Across the line it bears next to nothing.
+fn share_along_a_line(solver: Solver, rate: u32, spring: bool, side: f32, seed: usize, limit: f32) -> Option<f32> {
+    let mut random = dice(seed);
+    let mut any = || random.between(-1.0, 1.0) as f32;
+    let along = Vec3::new(any(), any(), any()).normalize();
+    let frame = Quat::from_xyzw(any(), any(), any(), any()).normalize();
+    let mut world = World::new(&WorldDef { gravity: along * 10.0, solver, ..WorldDef::default() }).expect("a valid world");
+    let ball = BodyDef::dynamic(Pose::at((along * side).as_dvec3())).with_shape(solid(Geometry::Ball { radius: 0.1 }));
+    let ball = world.create_body(&ball.with_mass(Mass::Total(10.0))).expect("a valid body");
+    let limits = if spring { Limits::NONE } else { Limits::new(if side > 0.0 { 0.0 } else { 1.0 }, 1.0) };
+    let kind = JointKind::Distance { limits, spring_length: spring.then_some(1.0), motor: Motor::Off };
+    let strength = match side > 0.0 {
+        true => Strength { tension: limit, compression: 1.0e-3, shear: 1.0e-3, ..Strength::UNBREAKABLE },
+        false => Strength { compression: limit, tension: 1.0e-3, shear: 1.0e-3, ..Strength::UNBREAKABLE },
+    };
+    let mut def =
+        JointDef { strength, linear: Softness { compliance: 1.0e-6, damping: 100.0 }, ..JointDef::new(kind, BodyId::NULL, ball) };
+    if !spring {
+        def.linear = Softness::RIGID;
+    }
+    (def.frame_a.rotation, def.frame_b.rotation) = (frame, frame);
+    let joint = world.create_joint(&def).expect("a valid joint");
+    for _ in 0..rate / 3 {
+        world.step(1.0 / rate as f32).expect("a valid step");
+        if let [broken] = world.broken() {
+            let force = broken.force.dot(along) * -side;
+            assert!((force - side * limit).abs() < 0.3 * limit + 30.0, "told of {force} N along the line");
+            return None;
+        }
+    }
+    Some(world.joint_stress(joint).expect("a joint").share)
+}
+
+#[test]
+fn a_distance_joint_bears_what_pulls_or_presses_along_its_line() {
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        for rate in [30, 60, 240] {
+            for (spring, side) in [(false, 1.0), (false, -1.0), (true, 1.0)] {
+                for seed in 1..6 {
+                    let what = format!("{solver:?}, {rate} Hz, spring {spring}, side {side}, direction {seed}");
+                    // It bears 100 N.
+                    let share = share_along_a_line(solver, rate, spring, side, seed, 250.0);
+                    assert!(share.is_some_and(|share| (share - 0.4).abs() < 0.02), "{what}: share {share:?} of 250 N, not 0.4");
+                    let share = share_along_a_line(solver, rate, spring, side, seed, 80.0);
+                    assert!(share.is_none(), "{what}: not broken at 80 N, with share {share:?}");
+                }
+            }
+        }
+    }
+}

@@ -99,7 +99,7 @@ pub struct LsPiece {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C)]
 pub struct LsJointStress {
-    /// Mean force on B over the window, axes of the joint's frame on A (N).
+    /// Mean force on B over the window, axes of the joint's frame on A (N); of a distance joint, x along the line from its point on A to that on B.
     pub force: [f32; 3],
     /// Mean torque on B about the joint's point, axes of the joint's frame on A (N m).
     pub torque: [f32; 3],

@@ -2,11 +2,11 @@
 
 use ls_core::{BondMaterial, BreakCause, BreakLimit, Damage, FractureSettings, Strength};
 
-/// Limit of a joint: pulled apart along its axis.
+/// Limit of a joint: pulled apart along its axis; a distance joint, along the line between its points.
 pub const LS_STRENGTH_TENSION: i32 = 0;
-/// Limit of a joint: pressed together along its axis.
+/// Limit of a joint: pressed together along its axis; a distance joint, along the line between its points.
 pub const LS_STRENGTH_COMPRESSION: i32 = 1;
-/// Limit of a joint: pushed across its axis.
+/// Limit of a joint: pushed across its axis; never a distance joint, whose force is along its line.
 pub const LS_STRENGTH_SHEAR: i32 = 2;
 /// Limit of a joint: bent across its axis.
 pub const LS_STRENGTH_BENDING: i32 = 3;
@@ -22,6 +22,9 @@ pub const LS_BREAK_APPLIED: i32 = 2;
 
 /// What a joint bears before it breaks. Loads are those on body B in axes of the joint's frame on A, whose x axis is taken to
 /// point from A to B; INFINITY is never. The layout of this struct never changes.
+///
+/// The x axis of a distance joint, be it a rope, a rod or a spring, is the line from its point on A to that on B, whatever its frames: all of
+/// its force is tension or compression, and none of it shear.
 ///
 /// Loads are compared as their mean over the window: an impulse J counts as J / window whatever the length of the step, a steady
 /// load as itself. Damage grows by (share - damage_from) / (1 - damage_from) / damage_time a second while the joint bears more

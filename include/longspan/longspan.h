@@ -163,13 +163,13 @@
 /** Locked axis: no rotation about the world's z axis. */
 #define LS_LOCK_ROTATION_Z 32
 
-/** Limit of a joint: pulled apart along its axis. */
+/** Limit of a joint: pulled apart along its axis; a distance joint, along the line between its points. */
 #define LS_STRENGTH_TENSION 0
 
-/** Limit of a joint: pressed together along its axis. */
+/** Limit of a joint: pressed together along its axis; a distance joint, along the line between its points. */
 #define LS_STRENGTH_COMPRESSION 1
 
-/** Limit of a joint: pushed across its axis. */
+/** Limit of a joint: pushed across its axis; never a distance joint, whose force is along its line. */
 #define LS_STRENGTH_SHEAR 2
 
 /** Limit of a joint: bent across its axis. */
@@ -820,6 +820,9 @@ typedef struct LsAxis {
 /**
  * What a joint bears before it breaks. Loads are those on body B in axes of the joint's frame on A, whose x axis is taken to
  * point from A to B; INFINITY is never. The layout of this struct never changes.
+ *
+ * The x axis of a distance joint, be it a rope, a rod or a spring, is the line from its point on A to that on B, whatever its frames: all of
+ * its force is tension or compression, and none of it shear.
  *
  * Loads are compared as their mean over the window: an impulse J counts as J / window whatever the length of the step, a steady
  * load as itself. Damage grows by (share - damage_from) / (1 - damage_from) / damage_time a second while the joint bears more
@@ -1915,7 +1918,7 @@ typedef struct LsPiece {
 
 /** What a joint bears at present. Later versions append fields. */
 typedef struct LsJointStress {
-    /** Mean force on B over the window, axes of the joint's frame on A (N). */
+    /** Mean force on B over the window, axes of the joint's frame on A (N); of a distance joint, x along the line from its point on A to that on B. */
     float force[3];
     /** Mean torque on B about the joint's point, axes of the joint's frame on A (N m). */
     float torque[3];

@@ -1,7 +1,7 @@
 //! Fracture: measures how much load a joint bears, and reports it when it breaks.
 //!
 //! A joint's load is the force f and the torque τ about its point that it exerts on body B, in axes of its frame on A. With x the
-//! joint axis, taken to point from A to B,
+//! joint axis, taken to point from A to B (of a joint that holds a distance, the line from its point on A to that on B, whatever its frame),
 //!
 //! ```text
 //! tension      max(−f·x, 0)      B is held back from leaving along +x           (N)
@@ -34,11 +34,11 @@ pub const MAX_WINDOW: f32 = 10.0;
 /// What a joint bears before it breaks. Infinity is never.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strength {
-    /// Greatest force that pulls B away from A along the joint axis (N).
+    /// Greatest force that pulls B away from A along the joint axis (N); of a distance joint, along the line between its points.
     pub tension: f32,
-    /// Greatest force that presses B against A along the joint axis (N).
+    /// Greatest force that presses B against A along the joint axis (N); of a distance joint, along the line between its points.
     pub compression: f32,
-    /// Greatest force across the joint axis (N).
+    /// Greatest force across the joint axis (N); a distance joint has none.
     pub shear: f32,
     /// Greatest torque across the joint axis (N·m).
     pub bending: f32,
@@ -162,7 +162,8 @@ impl AcrossX for Vec3 {
     }
 }
 
-/// Force (N) and torque about the joint's point (N·m) that a joint exerts on body B, in axes of its frame on A.
+/// Force (N) and torque about the joint's point (N·m) that a joint exerts on body B, in axes of its frame on A; of a distance joint, turned so
+/// that x is the line from its point on A to that on B.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointLoad {
     /// Force on B (N).

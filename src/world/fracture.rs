@@ -209,17 +209,15 @@ impl World {
         })
     }
 
-    /// The step's load of a joint, in axes of its frame on A halfway through the step.
+    /// The step's load of a joint, in axes of its strength halfway through the step.
     fn step_load(&self, slot: u32) -> JointLoad {
         let joint = &self.joints[slot];
-        let turned = joint.bodies[0].map_or(Quat::IDENTITY, |body| {
+        let turned = joint.bodies[0].filter(|_| !is_distance(&joint.def)).map_or(Quat::IDENTITY, |body| {
             let (now, after) = (self.bodies[body].rotation, self.rotation_after(body));
             // A solve that found no finite state is not stored: the body stays as it was.
             halfway(now, if after.is_finite() { after } else { now }) * now.conjugate()
         });
-        let axes = (turned * self.end(joint, 0).frame).conjugate();
-        let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));
-        JointLoad { force: axes * force, torque: axes * torque }
+        self.load_in(slot, turned * self.strength_axes(joint))
     }
 
     /// Rotation of a body at the end of the solve.
@@ -236,7 +234,7 @@ impl World {
         let joint = &self.joints[slot];
         let (id, bodies, def) = (self.joints.handle_of(slot), joint.bodies, joint.def);
         let point = self.joint_point(joint, 1);
-        let axes = self.end(joint, 0).frame;
+        let axes = self.strength_axes(joint);
         let (points, force) = self.given_back(joint, axes * load.force);
         self.events.broken.push(JointBreak {
             joint: id,

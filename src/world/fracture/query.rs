@@ -1,9 +1,13 @@
 //! Settings and results of fracture, for the host.
 
+use glam::{Quat, Vec3};
+
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fracture::{FractureSettings, JointBreak, JointLoad, JointStress, Piece, Split, Strength};
 use crate::id::{JointId, in_world};
+use crate::joint_record::Joint;
+use crate::solve::joint::kinds::is_distance;
 use crate::world::World;
 use crate::world::wake::Edited;
 
@@ -127,11 +131,24 @@ impl World {
         Ok(near)
     }
 
-    /// Load of the last step, in axes of the joint's frame on A as it is now.
-    fn load_now(&self, slot: u32) -> JointLoad {
-        let axes = self.end(&self.joints[slot], 0).frame.conjugate();
-        let (force, torque) = self.load_inside(slot).unwrap_or((self.joints[slot].force, self.joints[slot].torque));
-        JointLoad { force: axes * force, torque: axes * torque }
+    /// Axes whose x a joint's strength is told along, as they are now: those of its frame on A; of a joint that holds a distance turned the shortest
+    /// way so that x goes from its point on A to that on B, as its frame says nothing of that line.
+    pub(super) fn strength_axes(&self, joint: &Joint) -> Quat {
+        let frame = self.end(joint, 0).frame;
+        let [a, b] = [0, 1].map(|side| self.joint_point(joint, side));
+        match (b - a).as_vec3().try_normalize().filter(|_| is_distance(&joint.def)) {
+            Some(line) => Quat::from_rotation_arc(frame * Vec3::X, line) * frame,
+            None => frame,
+        }
+    }
+
+    /// Load of the last step in these axes. That of a joint that holds a distance is along its line, wherever that has turned to in the step.
+    pub(super) fn load_in(&self, slot: u32, axes: Quat) -> JointLoad {
+        let joint = &self.joints[slot];
+        let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));
+        let (force, torque) = (axes.conjugate() * force, axes.conjugate() * torque);
+        let force = if is_distance(&joint.def) { Vec3::X * force.length().copysign(force.x) } else { force };
+        JointLoad { force, torque }
     }
 
     fn stress_of(&self, slot: u32) -> JointStress {
@@ -139,7 +156,7 @@ impl World {
         let strength = &joint.def.strength;
         let (load, damage) = match &joint.strain {
             Some(strain) => (strain.present(strength), strain.damage),
-            None => (self.load_now(slot), 0.0),
+            None => (self.load_in(slot, self.strength_axes(joint)), 0.0),
         };
         let (share, limit) = strength.share(&load);
         JointStress { load, share, limit, damage }
