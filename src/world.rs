@@ -269,6 +269,7 @@ impl World {
         self.report.timings.solve = clock.lap();
         clock.enter(c"finish");
         self.store_results(dt);
+        self.follow_idle_angles();
         self.stop_fast_bodies();
         self.keep_energy_on_surfaces(dt);
         self.report_splits();

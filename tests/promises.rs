@@ -34,6 +34,7 @@ mod held_units;
 mod hinge_planes;
 mod hold;
 mod hulls;
+mod idle_joints;
 mod jacks;
 mod jammed;
 mod joint_friction;

@@ -56,12 +56,13 @@ pub unsafe extern "C" fn ls_body_kind_get(world: LsWorld, body: LsBody, out: *mu
 
 /// Makes a body static, kinematic or dynamic, and wakes it and what it touches.
 ///
-/// A body that becomes static stops; one that becomes dynamic has the mass that it was made with or given.
+/// A body that becomes static stops; one that becomes dynamic has the mass that it was made with or given. A joint none of whose bodies is
+/// dynamic, as of a ragdoll that an animation moves, is idle: it holds nothing, bears nothing and tells its coordinates, until one is again.
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe
 /// @param kind   LS_BODY_ constant
 /// @return LS_OK, a world error, a handle error, LS_ERROR_INVALID_ENUM, LS_ERROR_OUT_OF_RANGE (it would have no mass),
-///         LS_ERROR_NOT_APPLICABLE (a shape cannot be on a dynamic body, or a joint would be left without one)
+///         LS_ERROR_NOT_APPLICABLE (a shape cannot be on a dynamic body)
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
 pub extern "C" fn ls_body_kind_set(world: LsWorld, body: LsBody, kind: i32) -> LsResult {

@@ -75,7 +75,7 @@ impl From<JointAxisState> for LsJointAxisState {
     }
 }
 
-/// Creates a joint between two bodies, or a body and the world; at least one must be dynamic.
+/// Creates a joint between two bodies, or a body and the world; it is idle while none of them is dynamic.
 ///
 /// @param world  the world; any value is safe
 /// @param def    filled by ls_joint_def_init and changed as wanted; read during the call

@@ -3489,12 +3489,13 @@ LsResult ls_body_kind_get(LsWorld world, LsBody body, int32_t *out);
 /**
  * Makes a body static, kinematic or dynamic, and wakes it and what it touches.
  *
- * A body that becomes static stops; one that becomes dynamic has the mass that it was made with or given.
+ * A body that becomes static stops; one that becomes dynamic has the mass that it was made with or given. A joint none of whose bodies is
+ * dynamic, as of a ragdoll that an animation moves, is idle: it holds nothing, bears nothing and tells its coordinates, until one is again.
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe
  * @param kind   LS_BODY_ constant
  * @return LS_OK, a world error, a handle error, LS_ERROR_INVALID_ENUM, LS_ERROR_OUT_OF_RANGE (it would have no mass),
- *         LS_ERROR_NOT_APPLICABLE (a shape cannot be on a dynamic body, or a joint would be left without one)
+ *         LS_ERROR_NOT_APPLICABLE (a shape cannot be on a dynamic body)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_body_kind_set(LsWorld world, LsBody body, int32_t kind);
@@ -4070,7 +4071,7 @@ LsResult ls_shape_def_set(LsWorld world, LsShape shape, const LsShapeDef *def);
 /* Joints ---------------------------------------------------------------------------------------------------------- */
 
 /**
- * Creates a joint between two bodies, or a body and the world; at least one must be dynamic.
+ * Creates a joint between two bodies, or a body and the world; it is idle while none of them is dynamic.
  *
  * @param world  the world; any value is safe
  * @param def    filled by ls_joint_def_init and changed as wanted; read during the call

@@ -14,6 +14,7 @@ use glam::{DVec3, Vec3};
 
 use super::World;
 use crate::joint_record::Joint;
+use crate::solve::joint::angles;
 use crate::solve::joint::body_response::{BodyResponse, MotorAnswers};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds::{self, MotorRows};
@@ -35,7 +36,31 @@ pub(super) struct IdleLoad {
 impl World {
     /// Whether nothing solves a joint, as its bodies cannot move by it.
     fn is_idle(&self, joint: &Joint) -> bool {
-        self.is_within_union(joint) || !joint.bodies.iter().flatten().any(|&index| self.bodies[index].is_free())
+        let is_moved = || joint.bodies.iter().flatten().any(|&index| self.bodies[index].is_free());
+        self.is_within_union(joint) || (!is_moved() && !self.is_out_of_work(joint))
+    }
+
+    /// Whether none of its bodies is dynamic, as of a ragdoll that an animation moves: it has no rows, no load and no part in any graph.
+    fn is_out_of_work(&self, joint: &Joint) -> bool {
+        !joint.bodies.iter().flatten().any(|&index| self.bodies[index].is_dynamic())
+    }
+
+    /// Counts the turns of joints out of work whose bodies the host has moved in the step.
+    pub(super) fn follow_idle_angles(&mut self) {
+        for number in 0..self.movers.slots.len() {
+            let index = self.movers.slots[number];
+            let Some(count) = self.bodies.get(index).filter(|body| !body.is_dynamic()).map(|body| body.joints.len()) else {
+                continue;
+            };
+            for place in 0..count {
+                let Ok(slot) = self.joints.find(self.bodies[index].joints[place]) else { continue };
+                let joint = &self.joints[slot];
+                if angles::counts_turns(&joint.def.kind) && self.is_out_of_work(joint) {
+                    let now = angles::read(&joint.def.kind, &self.placement(joint), joint.angles);
+                    self.joints[slot].angles = now;
+                }
+            }
+        }
     }
 
     fn is_within_union(&self, joint: &Joint) -> bool {

@@ -17,16 +17,13 @@ impl World {
     /// Makes a joint and wakes its bodies.
     ///
     /// # Errors
-    /// Names the field of `def` at fault: a handle that is not a body of this world, the same body twice, no dynamic body,
+    /// Names the field of `def` at fault: a handle that is not a body of this world, the same body twice,
     /// a number out of range.
     pub fn create_joint(&mut self, def: &JointDef) -> Result<JointId> {
         let def = def.checked()?;
         let bodies = [self.joint_body(def.body_a, "body_a")?, self.joint_body(def.body_b, "body_b")?];
         if bodies[0] == bodies[1] {
             return Err(Error::new(ErrorKind::NotApplicable, "body_b", "is the same as body_a"));
-        }
-        if !bodies.into_iter().flatten().any(|index| self.bodies[index].is_dynamic()) {
-            return Err(Error::new(ErrorKind::NotApplicable, "body_a", "a joint needs at least one dynamic body"));
         }
         let (slot, id) = self.joints.insert(Joint::new(def, bodies))?;
         self.joints[slot].angles = angles::first(&def.kind, &self.placement(&self.joints[slot]));

@@ -6,7 +6,7 @@ use super::World;
 use super::wake::Edited;
 use crate::body::BodyKind;
 use crate::check;
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::Result;
 use crate::id::{BodyId, JointId, ShapeId};
 use crate::joint::JointDef;
 use crate::pose::Pose;
@@ -54,11 +54,10 @@ impl World {
     }
 
     /// Makes a body static, kinematic or dynamic, and wakes it and what it touches. A body that becomes static stops; one that
-    /// becomes dynamic has the mass that it was made with or given.
+    /// becomes dynamic has the mass that it was made with or given. A joint that is left without a dynamic body is idle until it has one again.
     ///
     /// # Errors
-    /// The handle is not a body of this world; a shape of the body cannot be on a dynamic one, or it would have no mass; a joint
-    /// would be left without a dynamic body.
+    /// The handle is not a body of this world; a shape of the body cannot be on a dynamic one, or it would have no mass.
     pub fn set_body_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<()> {
         let index = self.bodies.find(body)?;
         if self.bodies[index].kind == kind {
@@ -69,7 +68,6 @@ impl World {
             let defs = defs.into_iter().map(|def| def.checked(true)).collect::<Result<Vec<_>>>()?;
             Some(shape::resolve_mass(self.bodies[index].settings.mass_source, &defs)?)
         } else {
-            self.check_joints_without(index)?;
             None
         };
         self.wake_for(Edited::Place(index));
@@ -102,17 +100,6 @@ impl World {
         self.wake_for(Edited::Place(index));
         self.note_mover(index);
         self.movers.are_sorted = false;
-        Ok(())
-    }
-
-    /// Refuses what would leave a joint without a dynamic body.
-    fn check_joints_without(&self, index: u32) -> Result<()> {
-        let is_dynamic = |other: u32| other != index && self.bodies[other].is_dynamic();
-        for joint in self.bodies[index].joints.iter().filter_map(|&id| self.joints.find(id).ok()) {
-            if !self.joints[joint].bodies.into_iter().flatten().any(is_dynamic) {
-                return Err(Error::new(ErrorKind::NotApplicable, "kind", "would leave a joint without a dynamic body"));
-            }
-        }
         Ok(())
     }
 

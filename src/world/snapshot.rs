@@ -372,7 +372,6 @@ impl Image {
             && joint.strain.is_some() == joint.def.strength.can_break()
             && joint.rebounds.speeds.iter().all(|&speed| speed.is_finite() && speed >= 0.0)
             && joint.drive.as_ref().is_none_or(|drive| drive.is_finite())
-            && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())
     }
 
     /// Whether every dynamic body that moves is listed, and the list is in order where it says so.
