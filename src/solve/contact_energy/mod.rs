@@ -19,7 +19,8 @@
 //! that an island hangs on or touches is one kinematic body, T is that of velocities against its motion. Of several with motions
 //! r₁, r₂, … none is such a frame. With each alone √T would grow by 2 √T(r) at most, so √T' ≤ √T + 2 Σ √T(rₖ) is let be.
 //!
-//! **Motors and springs** do work λ J v', as in [`joint_energy`](super::joint_energy), which is let be on top. Springs of joints that are
+//! **Motors and springs** do work λ J v', as in [`joint_energy`](super::joint_energy), which is let be on top, and so do all rows of joints whose
+//! stops or frames the host moves: what holds J v = −u gives −λ u. Springs of joints that are
 //! swept one by one are not looked at: an island with any of those is left as it is.
 
 mod find;

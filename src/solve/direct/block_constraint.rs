@@ -185,7 +185,7 @@ impl Articulation {
         }
     }
 
-    /// What motors and springs have done in the substep (J).
+    /// What motors, springs and what the host moves of joints have done in the substep (J).
     pub(crate) fn work(&self) -> f64 {
         if self.is_points {
             return 0.0;
@@ -195,7 +195,9 @@ impl Articulation {
             let is_motor = |origin: Origin| matches!(origin, Origin::Scalar(id) if entry.motors.rows.axis(id).is_some() || entry.rebounds.of(id) > 0.0);
             let pair = node.bodies.map(|body| rates[body as usize]);
             let rows = system.rows[node.first as usize..node.last as usize].iter();
-            rows.filter(|row| row.gamma > 0.0 || is_motor(row.origin)).map(|row| row.impulse * row.rate(&pair)).sum::<f64>()
+            rows.filter(|row| entry.traits.is_driven || row.gamma > 0.0 || is_motor(row.origin))
+                .map(|row| row.impulse * row.rate(&pair))
+                .sum::<f64>()
         };
         let gives = |(entry, _): &(&JointEntry, &SystemNode)| entry.traits.has_motor || !entry.traits.gives_by_motors_alone;
         entries.iter().zip(&system.nodes).filter(gives).map(work).sum()

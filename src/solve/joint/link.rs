@@ -22,6 +22,8 @@ pub(crate) struct JointTraits {
     pub has_friction: bool,
     /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
     pub gives_by_motors_alone: bool,
+    /// Whether the host moves its stops or frames: any of its rows may do work then.
+    pub is_driven: bool,
     /// Motors are also stops that give back of the speed at which they are met.
     pub has_motor: bool,
     /// Whether it has one that does not give as a spring does.
@@ -46,6 +48,7 @@ impl JointTraits {
         limits_angles: false,
         has_friction: false,
         gives_by_motors_alone: false,
+        is_driven: false,
         has_motor: false,
         has_rigid_motor: false,
         has_soft_stops: false,
@@ -67,6 +70,7 @@ impl JointTraits {
             has_friction: friction::rows_of(def) > 0,
             // What the host moves does work.
             gives_by_motors_alone: kinds::gives_by_motors_alone(def) && !is_driven,
+            is_driven,
             // What a stop gives back is more than it had in the substep before.
             has_motor: kinds::has_motor(&def.kind) || def.restitution > 0.0,
             has_rigid_motor: kinds::has_rigid_motor(&def.kind),
