@@ -83,6 +83,7 @@ mod springs;
 mod square_posts;
 mod stability;
 mod stacks;
+mod standing_on_motors;
 mod state;
 mod sticks;
 mod stops;

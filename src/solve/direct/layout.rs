@@ -140,9 +140,10 @@ impl Articulation {
         }
     }
 
-    /// Whether joints leave no freedom: contacts then contradict one another, and no active set of theirs comes to an end.
+    /// Whether joints leave no freedom: contacts then contradict one another, and no active set of theirs comes to an end. Stops that are not met,
+    /// motors and friction within bounds leave it: they give way to what a contact holds.
     pub(super) fn is_rigid(&self) -> bool {
-        let rows: u32 = self.entries.iter().map(|entry| u32::from(entry.traits.most_rows)).sum();
+        let rows: u32 = self.entries.iter().map(|entry| u32::from(entry.traits.held_rows)).sum();
         rows as usize >= 6 * self.jointed_bodies()
     }
 
