@@ -136,10 +136,11 @@ pub enum IslandPlan {
     Apart,
     /// The host asks for sweeps.
     Swept,
-    /// Joints have stops on angles, as limbs do, and form a tree that nothing fixed holds: sweeps and direct solves carry its loads for less.
+    /// Joints have stops on angles, as limbs do, no motor holds a place, and they form a tree that nothing fixed holds: sweeps and direct solves
+    /// carry its loads for less.
     Jointed,
-    /// Joints do more than hold points together and masses are alike, in a tree that nothing fixed holds or a loop that does not stand: sweeps
-    /// and direct solves carry loads between such bodies as well, for less.
+    /// Joints do more than hold points together, no motor holds a place, and masses are alike, in a tree that nothing fixed holds or a loop that
+    /// does not stand: sweeps and direct solves carry loads between such bodies as well, for less.
     Alike,
     /// Articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap.
     Heaped = 7,

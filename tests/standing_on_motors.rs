@@ -1,4 +1,4 @@
-//! What motors or friction of joints hold upright stands on its foot, whether or not the joints have stops, which it never meets.
+//! What motors of joints hold upright stands, whether or not its joints have stops that it never meets: on a floor, on what can move, after a fall.
 
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
@@ -20,6 +20,7 @@ enum Held {
 
 impl Held {
     const ALL: [Self; 5] = [Self::Springs, Self::Servos, Self::Speeds, Self::Friction, Self::BallSprings];
+    const MOTORS: [Self; 4] = [Self::Springs, Self::Servos, Self::Speeds, Self::BallSprings];
 
     /// The joint of a column `size` times as large as one of a metre, with stops half a radian away.
     fn joint(self, ends: [BodyId; 2], size: f32) -> JointDef {
@@ -110,5 +111,39 @@ fn a_column_that_its_joints_hold_stands_on_its_foot() {
             let lean = lean(&mut world, load, rate, of.2);
             assert!(lean < 1.0e-3, "{held:?}, {of:?} (links, load, size), {rate}/s: leans by {lean} sizes, bound 0.001");
         }
+    }
+}
+
+/// On a crate that can move, which is moved by what it bears; and let fall by 5 cm, where all of it sways a little on its springs.
+#[test]
+fn it_stands_on_a_crate_and_lands_on_its_foot() {
+    for (held, rate) in Held::MOTORS.into_iter().flat_map(|held| RATES.map(|rate| (held, rate))) {
+        for load in [10.0, 50.0] {
+            let mut on_crate = world(1.0);
+            body(&mut on_crate, DVec3::Y * 0.2, 30.0, cuboid(Vec3::new(0.4, 0.2, 0.4)));
+            let top = column(&mut on_crate, held, (3, load, 1.0), 0.4);
+            let stands = lean(&mut on_crate, top, rate, 1.0);
+            let mut falls = world(1.0);
+            let top = column(&mut falls, held, (3, load, 1.0), 0.05);
+            let lands = lean(&mut falls, top, rate, 1.0);
+            let what = format!("{held:?} under {load} kg, {rate}/s");
+            assert!(stands < 2.0e-3, "{what}: leans by {stands} m on a crate, bound 2 mm");
+            assert!(lands < 0.1, "{what}: leans by {lands} m when it lands, bound 0.1 m");
+        }
+    }
+}
+
+/// On tiles, of which its foot touches more than six.
+#[test]
+fn it_stands_on_tiles() {
+    for (held, rate) in Held::MOTORS.into_iter().flat_map(|held| RATES.map(|rate| (held, rate))) {
+        let mut world = World::new(&WorldDef::default()).expect("a valid world");
+        for tile in 0..36 {
+            let at = Pose::at_xyz(0.1 * f64::from(tile % 6) - 0.22, -0.05, 0.1 * f64::from(tile / 6) - 0.22);
+            world.create_body(&BodyDef::fixed(at).with_shape(cuboid(Vec3::splat(0.05)))).expect("a valid body");
+        }
+        let top = column(&mut world, held, (3, 10.0, 1.0), 0.0);
+        let lean = lean(&mut world, top, rate, 1.0);
+        assert!(lean < 1.0e-3, "{held:?}, {rate}/s: leans by {lean} m, bound 1 mm");
     }
 }

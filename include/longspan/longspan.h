@@ -247,10 +247,10 @@
 /** Plan of an island: the host asks for sweeps. */
 #define LS_PLAN_SWEPT 3
 
-/** Plan of an island: joints have stops on angles, as limbs do, and form a tree that nothing fixed holds: sweeps and direct solves carry its loads for less. */
+/** Plan of an island: joints have stops on angles, as limbs do, no motor holds a place, and they form a tree that nothing fixed holds: sweeps and direct solves carry its loads for less. */
 #define LS_PLAN_JOINTED 4
 
-/** Plan of an island: joints do more than hold points together and masses are alike, in a tree that nothing fixed holds or a loop that does not stand: sweeps and direct solves carry loads between such bodies as well, for less. */
+/** Plan of an island: joints do more than hold points together, no motor holds a place, and masses are alike, in a tree that nothing fixed holds or a loop that does not stand: sweeps and direct solves carry loads between such bodies as well, for less. */
 #define LS_PLAN_ALIKE 5
 
 /** Plan of an island: articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap. */

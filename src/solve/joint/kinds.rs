@@ -125,6 +125,18 @@ pub(crate) fn has_motor(kind: &JointKind) -> bool {
     }
 }
 
+/// Whether a joint of this kind has a motor that holds a place: one with a target, or where stops on angles let it run on nowhere, any.
+pub(crate) fn holds_by_motor(kind: &JointKind) -> bool {
+    let holds = |motor: &Motor| motor.drive().is_some_and(|drive| drive.target.is_some());
+    let has_target = match kind {
+        JointKind::Fixed => false,
+        JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } | JointKind::Distance { motor, .. } => holds(motor),
+        JointKind::Spherical { motor, .. } => matches!(motor, SphericalMotor::Position { .. }),
+        JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| holds(&axis.motor)),
+    };
+    has_target || has_motor(kind) && limits_angles(kind)
+}
+
 /// Whether a joint of this kind has a motor that does not give as a spring does.
 pub(crate) fn has_rigid_motor(kind: &JointKind) -> bool {
     let is_rigid = |motor: &Motor| motor.drive().is_some_and(|drive| drive.softness.compliance == 0.0);

@@ -26,6 +26,8 @@ pub(crate) struct JointTraits {
     pub is_driven: bool,
     /// Motors are also stops that give back of the speed at which they are met.
     pub has_motor: bool,
+    /// Whether it has a motor that holds a place.
+    pub holds_by_motor: bool,
     /// Whether it has one that does not give as a spring does.
     pub has_rigid_motor: bool,
     /// Whether it has stops that give.
@@ -50,6 +52,7 @@ impl JointTraits {
         gives_by_motors_alone: false,
         is_driven: false,
         has_motor: false,
+        holds_by_motor: false,
         has_rigid_motor: false,
         has_soft_stops: false,
         has_springs: false,
@@ -73,6 +76,7 @@ impl JointTraits {
             is_driven,
             // What a stop gives back is more than it had in the substep before.
             has_motor: kinds::has_motor(&def.kind) || def.restitution > 0.0,
+            holds_by_motor: kinds::holds_by_motor(&def.kind),
             has_rigid_motor: kinds::has_rigid_motor(&def.kind),
             has_soft_stops: kinds::has_soft_stops(def),
             has_springs: kinds::has_springs(def),
