@@ -2,8 +2,8 @@
 
 use longspan::glam::{Quat, Vec3};
 use longspan::{
-    Axis, BodyDef, BodyId, JointDef, JointId, JointKind, Limits, LockedAxes, Mass, Motor, Pose, Shape, ShapeDef, SleepSettings,
-    Softness, Solver, World, WorldDef,
+    ArticulationSettings, Axis, BodyDef, BodyId, JointDef, JointId, JointKind, Limits, LockedAxes, Mass, Motor, Pose, Shape,
+    ShapeDef, SleepSettings, Softness, Solver, World, WorldDef,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -19,6 +19,13 @@ fn world(solver: Solver) -> World {
 fn cube(world: &mut World, x: f64, y: f64) -> BodyId {
     let shape = Shape::cuboid(Vec3::splat(0.1)).expect("a valid shape");
     let def = BodyDef::dynamic(Pose::at_xyz(x, y, 0.0)).with_shape(ShapeDef::new(shape)).with_mass(Mass::Total(MASS));
+    world.create_body(&def).expect("a valid body")
+}
+
+fn cube_that_resists_rolling(world: &mut World, x: f64, y: f64) -> BodyId {
+    let mut shape = ShapeDef::new(Shape::cuboid(Vec3::splat(0.1)).expect("a valid shape"));
+    shape.material.rolling_friction = 1.0e-3;
+    let def = BodyDef::dynamic(Pose::at_xyz(x, y, 0.0)).with_shape(shape).with_mass(Mass::Total(MASS));
     world.create_body(&def).expect("a valid body")
 }
 
@@ -153,13 +160,14 @@ fn one_joint_chooses_how_its_articulation_is_solved() {
 /// has been at its stop and turned on.
 fn struck_limb(speed: f32) -> (bool, f32, u32) {
     let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
-    let def = WorldDef { gravity: Vec3::ZERO, sleep, ..WorldDef::default() };
+    // Without a budget no island is one problem, and what resists rolling does not ride on the limb as rows of its joint: they are swept.
+    let articulations = ArticulationSettings { halving_budget: 0.0, ..ArticulationSettings::default() };
+    let def = WorldDef { gravity: Vec3::ZERO, sleep, articulations, ..WorldDef::default() };
     let mut world = World::new(&def).expect("a valid world");
     let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
     let arm = joint(&mut world, JointKind::Hinge { limits: Limits::new(-0.5, 0.5), motor: Motor::Off }, about_z);
-    // One body lies against the limb, so that it is swept before the other strikes.
-    cube(&mut world, 0.95, 0.0);
-    let striker = cube(&mut world, 0.7, -0.45);
+    cube_that_resists_rolling(&mut world, 0.95, 0.0);
+    let striker = cube_that_resists_rolling(&mut world, 0.7, -0.45);
     world.set_linear_velocity(striker, Vec3::Y * speed).expect("a body of the world");
     let (mut was_swept, mut worst, mut running, mut longest) = (false, 0.0_f32, 0, 0);
     for _ in 0..60 {
