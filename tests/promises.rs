@@ -45,6 +45,7 @@ mod landings;
 mod large_rounds;
 mod leaning;
 mod locked_axes;
+mod logs;
 mod long_range;
 mod long_range_bounds;
 mod loops;

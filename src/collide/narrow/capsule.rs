@@ -6,6 +6,7 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 
+use super::beside::{self, Side};
 use super::{Manifold, ManifoldPoint};
 
 /// Shortest stretch that counts as a line of contact, as a fraction of the radii.
@@ -132,7 +133,11 @@ pub(super) fn capsule_capsule(a: (f32, f32), b: (f32, f32), relative: &Pose3, ma
                 }
             }
         }
-        None => manifold.push(place((segment_a.at(s), segment_b.at(t)), 2)),
+        None => {
+            manifold.push(place((segment_a.at(s), segment_b.at(t)), 2));
+            let sides = [Side::around(&segment_a, a.1, normal), Side::around(&segment_b, b.1, -normal)];
+            beside::widen(&sides, relative, margin, &mut manifold);
+        }
     }
     (manifold.count > 0).then_some(manifold)
 }

@@ -14,6 +14,7 @@ use parry3d::query::details::NormalConstraints;
 use parry3d::query::epa::EPA;
 use parry3d::shape::SupportMap;
 
+use super::beside::{self, Across, Side};
 use super::capsule::Segment;
 use super::clip;
 use super::convex_pair::ConvexPair;
@@ -275,8 +276,22 @@ impl ConvexPair<'_> {
         self.beside_border(gap.normal, buffers);
         if !self.is_found(gap, &buffers.candidates) {
             buffers.candidates.push(self.candidate(gap.on_a, gap.on_b, gap.normal, LONE));
+            self.widen(gap.normal, buffers);
         }
         gap.normal
+    }
+
+    /// Adds the ends of the stretch on which two edges that cross, or lean on each other, lie beside each other to the nearest point, the last of
+    /// the candidates. [`Self::facing_features`] has looked for the features.
+    fn widen(&self, normal: Vec3, buffers: &mut Buffers) {
+        let Buffers { corners_a, corners_b, candidates, .. } = buffers;
+        let sides = Side::of(self.a, corners_a, normal).zip(Side::of(self.b, corners_b, -normal));
+        let Some(((of_a, of_b), near)) = sides.zip(candidates.last().map(|nearest| nearest.on_a)) else { return };
+        let ends = beside::ends(&of_a, &of_b, normal, near);
+        candidates.extend((0..).zip(ends).filter_map(|(feature, end)| {
+            let Across { on_a, on_b, separation } = end?;
+            Some(PointCandidate { on_a, on_b, separation, feature })
+        }));
     }
 
     fn is_found(&self, gap: &ConvexGap, candidates: &[PointCandidate]) -> bool {

@@ -8,6 +8,7 @@
 use glam::{Vec2, Vec3};
 use parry3d::math::Pose3;
 
+use super::beside::{self, Side};
 use super::capsule::Segment;
 use super::convex::LONE;
 use super::{Manifold, ManifoldPoint};
@@ -55,7 +56,11 @@ pub(super) fn side_core(a: (f32, f32), core: &Segment, radius: f32, relative: &P
             let points = (0..).zip(ends).map(|(feature, end)| place(end, feature));
             points.filter(|point| point.separation <= margin).for_each(|point| manifold.push(point));
         }
-        None => manifold.push(place((foot + Vec3::Y * nearest.y, nearest), LONE)),
+        None => {
+            manifold.push(place((foot + Vec3::Y * nearest.y, nearest), LONE));
+            let sides = [Side { line, radii: [radius_a; 2] }, Side::around(core, radius, -normal)];
+            beside::widen(&sides, relative, margin, &mut manifold);
+        }
     }
     Some((manifold.count > 0).then_some(manifold))
 }

@@ -22,6 +22,7 @@ use crate::shape::{Geometry, Shape};
 pub(crate) use near_edge::{Corners, nearest_edge};
 
 mod ball;
+mod beside;
 mod box_box;
 mod capsule;
 mod capsule_box;
