@@ -16,9 +16,9 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 
-use super::capsule::Segment;
 use super::face::Corner;
 use super::part::Part;
+use super::segment::Segment;
 use super::{Manifold, ManifoldPoint};
 
 /// How far the surfaces may part sideways at an end of the stretch, over the sum of their radii.

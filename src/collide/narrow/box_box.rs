@@ -17,7 +17,7 @@
 use glam::{Mat3, Vec3};
 use parry3d::math::Pose3;
 
-use super::capsule::Segment;
+use super::segment::Segment;
 use super::{Manifold, ManifoldPoint};
 
 mod axes;

@@ -8,7 +8,7 @@
 use glam::{Mat3, Vec3};
 use parry3d::math::Pose3;
 
-use super::capsule::Segment;
+use super::segment::Segment;
 use super::{Manifold, ManifoldPoint};
 
 /// An edge must beat a face by this fraction of the smaller shape, so that a capsule lying on a face keeps it.

@@ -15,7 +15,6 @@ use parry3d::query::epa::EPA;
 use parry3d::shape::SupportMap;
 
 use super::beside::{self, Across, Side};
-use super::capsule::Segment;
 use super::clip;
 use super::convex_pair::ConvexPair;
 use super::distance::{self, ConvexGap, Nearest};
@@ -25,6 +24,7 @@ use super::known_face::Known;
 use super::part::Part;
 use super::plane::ContactPlane;
 use super::reduce::{PointCandidate, reduce_into};
+use super::segment::Segment;
 use super::{Manifold, ManifoldPoint};
 
 /// How much less than the distance found a face may give and still be the normal; a direction that gives less than the

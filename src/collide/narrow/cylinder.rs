@@ -9,8 +9,8 @@ use glam::{Vec2, Vec3};
 use parry3d::math::Pose3;
 
 use super::beside::{self, Side};
-use super::capsule::Segment;
 use super::convex::LONE;
+use super::segment::Segment;
 use super::{Manifold, ManifoldPoint};
 
 /// Squared sine of a segment's angle to the axis below which all of its points are as near to it as its middle.

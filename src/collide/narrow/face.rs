@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::capsule::Segment;
 use super::part::Part;
+use super::segment::Segment;
 
 /// Corners that stand for the rim of a cylinder or cone. They keep their places on the part, so that a resting contact does
 /// not turn with the noise of the normal; where the rim is tilted, its deepest point is added by the caller.

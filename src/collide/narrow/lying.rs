@@ -8,11 +8,11 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 
-use super::capsule::MAX_LEAN;
 use super::convex::Buffers;
 use super::face::{self, Corner};
 use super::part::Part;
 use super::reduce::{PointCandidate, fill};
+use super::segment::MAX_LEAN;
 use super::{Manifold, ManifoldPoint};
 
 /// Separations that differ by less than this fraction of the part's reach count as equal.

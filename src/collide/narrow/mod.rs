@@ -43,6 +43,7 @@ mod part;
 mod part_pairs;
 mod plane;
 mod reduce;
+mod segment;
 mod triangle;
 
 #[cfg(test)]

@@ -6,11 +6,11 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 
-use super::capsule::Segment;
 use super::convex_pair::ConvexPair;
 use super::distance::ConvexGap;
 use super::face::Corner;
 use super::part::Part;
+use super::segment::Segment;
 use super::{composite, cylinder, face, parts_of};
 use crate::shape::Shape;
 

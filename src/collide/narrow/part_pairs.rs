@@ -3,8 +3,8 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 
-use super::capsule::Segment;
 use super::part::Part;
+use super::segment::Segment;
 use super::{Manifold, NarrowScratch, ball, box_box, capsule, capsule_box, convex, cylinder, half_space, lying, triangle};
 
 /// Appends the manifold of part `b`, placed at `relative` in A's frame, against part `a`, if they are near.

@@ -2,9 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
-use super::capsule::Segment;
 use super::clip::{ClipLine, ClipVertex, clip_segment};
 use super::face::Corner;
+use super::segment::Segment;
 
 /// A face seen at a smaller cosine than this is not clipped: heights on it would be extrapolated.
 const MIN_FACING: f32 = 0.2;

@@ -5,8 +5,8 @@ use parry3d::math::Pose3;
 use parry3d::shape::Cuboid;
 
 use super::super::Manifold;
-use super::super::capsule::Segment;
 use super::super::distance::{self, ConvexGap};
+use super::super::segment::Segment;
 use super::axes::EdgeAxis;
 use super::{BoxPair, EDGES, LINE, LONE, edge, within};
 
