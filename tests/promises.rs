@@ -26,6 +26,7 @@ mod falling;
 mod far_origin;
 mod fast_blades;
 mod fast_bodies;
+mod fast_logs;
 mod flush_floors;
 mod fracture;
 mod free_turns;

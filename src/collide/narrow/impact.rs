@@ -23,6 +23,9 @@ const MAX_SEARCHES: u32 = 48;
 /// Share of the depth asked for that counts as that depth: steps of conservative advancement end just before it.
 const DEEP_ENOUGH: f32 = 0.9;
 
+/// How far the axis of a round part may be from the centre of mass of its body and count as through it, over the reach of the part: rounding.
+const ABOUT_CENTER: f32 = 1.0e-5;
+
 /// A body at a time: its centre of mass (m), and how it is turned.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BodyPose {
@@ -174,6 +177,19 @@ impl MovingPart<'_> {
         let apart = [(own.start, others.start), (own.end, others.end)].map(|(a, b)| (a.center - b.center).length() as f32);
         whole.min(apart[0].max(apart[1]) + other.on.reach + self.part.rounding())
     }
+
+    /// What of a turn of the body (rad over the path) takes the part anywhere: not that about an axis of its own, if that goes through the centre of mass.
+    fn swing(&self, spin: Vec3) -> f32 {
+        if !matches!(self.part, Part::Cylinder { .. } | Part::Cone { .. } | Part::Capsule { .. }) {
+            return spin.length();
+        }
+        let (offset, turn) = self.on.place;
+        let (center, axis) = (offset + turn * self.place.translation, turn * (self.place.rotation * Vec3::Y));
+        let is_about_center =
+            center.reject_from(axis).length_squared() <= ABOUT_CENTER * ABOUT_CENTER * self.part.reach().powi(2);
+        let axis = self.on.path.start.rotation * axis;
+        if is_about_center { spin.reject_from(axis).length() } else { spin.length() }
+    }
 }
 
 struct PartPair<'a> {
@@ -189,7 +205,8 @@ impl PartPair<'_> {
         let spins = [a, b].map(|path| turn_between(&path.start, &path.end));
         let reaches = [self.a.core_reach(&self.b), self.b.core_reach(&self.a)];
         // Speeds are over the path, on which `gone` runs from 0 to 1.
-        let fastest = closing.length() + spins[0].length() * reaches[0] + spins[1].length() * reaches[1];
+        let swings = [self.a.swing(spins[0]), self.b.swing(spins[1])];
+        let fastest = closing.length() + swings[0] * reaches[0] + swings[1] * reaches[1];
         let (mut gone, mut near_since, mut last) = (0.0, None, None);
         // How far apart they are at the start, if contacts have seen them there.
         let mut seen = None;
@@ -216,7 +233,8 @@ impl PartPair<'_> {
             }
             let aim = if near_since.is_some() || seen.is_some() { -depth } else { 0.5 * short };
             // What turns about the normal does not come closer along it.
-            let turning = normal.cross(spins[0]).length() * reaches[0] + normal.cross(spins[1]).length() * reaches[1];
+            let turns = |i: usize| normal.cross(spins[i]).length().min(swings[i]) * reaches[i];
+            let turning = turns(0) + turns(1);
             let speed = normal.dot(closing) + turning;
             if speed * to_go <= separation - aim {
                 // They cannot come as near as `aim` on the rest of the path.
