@@ -59,6 +59,7 @@ mod overdetermined;
 mod overruled_motors;
 mod overrun_stops;
 mod parallel_ropes;
+mod pinned;
 mod plans;
 mod queries;
 mod query_grounds;

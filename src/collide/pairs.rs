@@ -8,7 +8,7 @@ use parry3d::math::Pose3;
 use super::collider::{Collider, relative};
 use super::collider_state::{ColliderState, Follow};
 use super::found_contacts::FoundContacts;
-use super::narrow::{Manifold, ManifoldPoint, NarrowScratch};
+use super::narrow::{Manifold, ManifoldPoint, NarrowScratch, PressedNormal};
 use super::persistent_manifold::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
 use super::predict::{self, Reach, Step};
 use super::quantized_pose::{QuantizedPose, coarse, pose_unit};
@@ -130,6 +130,10 @@ const REUSE: f32 = 5.0e-4;
 const REUSE_OF_ROUND: f32 = 1.0e-5;
 const REUSE_OF_FACES: f32 = 2.0e-3;
 
+/// Turn of a body in a step from which on the normal of its last contact no longer tells on which side of something fixed it is (rad): an eighth of a turn
+/// more would be across it.
+const STILL_THAT_SIDE: f32 = 0.8;
+
 /// Points from which on a manifold is one of faces.
 const FACE_POINTS: usize = 3;
 
@@ -184,6 +188,15 @@ impl Pair {
             let reach = Reach { motion, margin, is_pressed: self.pressed, before: &self.manifolds };
             let PairScratch { narrow, manifolds, spare, .. } = scratch;
             narrow.last = (self.manifolds.len() == 1).then(|| self.manifolds.get(0).normal);
+            let pressed = narrow.last.filter(|_| self.pressed);
+            narrow.pressed = pressed.and_then(|normal| match [moving[0].is_free, moving[1].is_free] {
+                [false, true] => Some(PressedNormal::OfA(normal)),
+                // It has turned with A in the last step.
+                [true, false] if moving[0].angular.length() * step.dt < STILL_THAT_SIDE => {
+                    Some(PressedNormal::OfB(relative.rotation.inverse() * normal))
+                }
+                _ => None,
+            });
             let mut found = FoundContacts { scratch: narrow, manifolds, spare };
             predict::collide((a, b), &moving, step, relative, reach, &mut found);
             self.take(&scratch.manifolds, &mut scratch.carried);

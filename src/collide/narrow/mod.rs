@@ -20,6 +20,7 @@ use parry3d::shape::CompositeShapeRef;
 use crate::shape::{Geometry, Shape};
 
 pub(crate) use near_edge::{Corners, nearest_edge};
+pub(crate) use same_side::PressedNormal;
 
 mod ball;
 mod beside;
@@ -43,6 +44,7 @@ mod part;
 mod part_pairs;
 mod plane;
 mod reduce;
+mod same_side;
 mod segment;
 mod triangle;
 
@@ -122,6 +124,8 @@ impl Manifold {
 pub(crate) struct NarrowScratch {
     /// Normal of the pair's one contact in the last step, in A's frame: an argument of the call to come.
     pub last: Option<Vec3>,
+    /// Of one that pressed on what cannot be pushed: an argument of the call to come.
+    pub pressed: Option<PressedNormal>,
     /// How far each body may turn in the step (rad), infinite where the other cannot be pushed: an argument of the call to come.
     pub turns: [f32; 2],
     polygons: convex::Buffers,
@@ -152,6 +156,9 @@ pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratc
             box_box::box_box(half_a, half_b, &relative, margin, out);
         }
         _ => collide_parts(a, b, &relative, margin, scratch, out),
+    }
+    if let Some(last) = scratch.pressed {
+        same_side::keep(a, b, &relative, last, &mut scratch.polygons, out);
     }
 }
 
