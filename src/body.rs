@@ -347,6 +347,11 @@ impl Body {
         self.kind == BodyKind::Kinematic && self.kinematic.driven && self.target().is_none()
     }
 
+    /// Whether the host pushes it in the next step.
+    pub(crate) fn is_pushed(&self) -> bool {
+        self.force != Vec3::ZERO || self.torque != Vec3::ZERO
+    }
+
     /// Whether this step solves for its motion: free, awake and not held.
     pub(crate) fn is_solved(&self) -> bool {
         self.is_free() && self.is_mover() && !self.held

@@ -67,6 +67,13 @@ impl History {
         self.h == JOLTED
     }
 
+    /// Notes that the host has changed the body's velocity.
+    pub(crate) fn strike(&mut self) {
+        if self.lead().is_none() && !self.is_jolted() {
+            self.h = STRUCK;
+        }
+    }
+
     /// Whether the host has changed the body's velocity, which its joints may not allow.
     pub(crate) fn is_struck(&self) -> bool {
         self.h == STRUCK
@@ -145,10 +152,9 @@ impl StepHistory {
 
     /// Notes that the host has changed the body's velocity.
     pub(crate) fn strike(&mut self) {
-        let kept = self.get();
-        if kept.lead().is_none() && !kept.is_jolted() {
-            self.set(History { h: STRUCK, ..kept });
-        }
+        let mut kept = self.get();
+        kept.strike();
+        self.set(kept);
     }
 
     pub(crate) fn forget_lead(&mut self) {

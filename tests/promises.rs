@@ -35,6 +35,7 @@ mod held_torques;
 mod held_units;
 mod hinge_planes;
 mod hold;
+mod host_forces;
 mod hulls;
 mod idle_joints;
 mod jacks;

@@ -21,8 +21,10 @@ use crate::tight_vec::{extend_tightly, make_room, resize};
 use crate::workers::Workers;
 
 mod falling;
+mod kicks;
 mod lanes;
 
+use kicks::IslandNote;
 pub(crate) use lanes::LaneLayout;
 
 /// Slot that stands for a body of the world in this batch.
@@ -134,8 +136,8 @@ pub(crate) struct Batch {
     pub bodies: Vec<u32>,
     /// First slot of each island.
     pub islands: Vec<u32>,
-    /// Whether each island touches what does not fall.
-    standing: Vec<bool>,
+    /// What is known of each island.
+    notes: Vec<IslandNote>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
     pub body_flags: Vec<BodyFlags>,
@@ -234,8 +236,8 @@ impl Batch {
         self.bodies.len() as u32 - 1
     }
 
-    /// Loads the state of all enlisted bodies.
-    pub(crate) fn load_bodies(&mut self, threads: &Workers, state: impl Fn(u32) -> (BodyVelocity, BodyMotion) + Sync) {
+    /// Loads the state of all enlisted bodies, each with whether the host pushes it.
+    pub(crate) fn load_bodies(&mut self, threads: &Workers, state: impl Fn(u32) -> (BodyVelocity, BodyMotion, bool) + Sync) {
         let Self { bodies, velocities, motions, body_flags, .. } = self;
         if !threads.has_team() {
             velocities.clear();
@@ -246,9 +248,9 @@ impl Batch {
             motions.push(BodyMotion::FIXED);
             body_flags.push(BodyFlags::default());
             for &body in &bodies[1..] {
-                let (velocity, motion) = state(body);
+                let (velocity, motion, is_pushed) = state(body);
                 velocities.push(velocity);
-                body_flags.push(BodyFlags::of(&velocity, &motion));
+                body_flags.push(BodyFlags::of(&velocity, &motion).pushed(is_pushed));
                 motions.push(motion);
             }
             return;
@@ -261,8 +263,9 @@ impl Batch {
         let places = velocities[1..].chunks_mut(piece).zip(motions[1..].chunks_mut(piece)).zip(body_flags[1..].chunks_mut(piece));
         threads.share(places.zip(bodies[1..].chunks(piece)), |(((velocities, motions), body_flags), bodies)| {
             for (((velocity, motion), role), &body) in velocities.iter_mut().zip(motions).zip(body_flags).zip(bodies) {
-                (*velocity, *motion) = state(body);
-                *role = BodyFlags::of(velocity, motion);
+                let is_pushed;
+                (*velocity, *motion, is_pushed) = state(body);
+                *role = BodyFlags::of(velocity, motion).pushed(is_pushed);
             }
         });
     }

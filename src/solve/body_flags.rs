@@ -11,6 +11,8 @@ impl BodyFlags {
     const JOINTED: u8 = 2;
     const TOUCHED: u8 = 4;
     const UNLOCKED: u8 = 8;
+    const PUSHED: u8 = 16;
+    const KICKED: u8 = 32;
 
     pub(crate) fn of(velocity: &BodyVelocity, motion: &BodyMotion) -> Self {
         let bit = |is_set: bool, bit: u8| if is_set { bit } else { 0 };
@@ -45,5 +47,23 @@ impl BodyFlags {
 
     pub(crate) fn touch(&mut self) {
         self.0 |= Self::TOUCHED;
+    }
+
+    /// The same of a body that the host pushes in this step, or not.
+    pub(crate) fn pushed(self, is_pushed: bool) -> Self {
+        Self(self.0 | if is_pushed { Self::PUSHED } else { 0 })
+    }
+
+    pub(crate) fn is_pushed(self) -> bool {
+        self.0 & Self::PUSHED != 0
+    }
+
+    /// Whether it has got an impulse with its island at the start of the step.
+    pub(crate) fn is_kicked(self) -> bool {
+        self.0 & Self::KICKED != 0
+    }
+
+    pub(crate) fn kick(&mut self) {
+        self.0 |= Self::KICKED;
     }
 }

@@ -7,7 +7,7 @@
 //! joints → impacts. After the substeps: position recovery of contacts. What moves positions gives no velocity.
 
 pub(crate) mod batch;
-mod body_flags;
+pub(crate) mod body_flags;
 mod body_gather;
 mod body_warm_start;
 mod buckets;

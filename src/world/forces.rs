@@ -13,6 +13,11 @@ use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 impl World {
     /// Pushes a body at its centre of mass with `force` (N) during the next step, and wakes it.
     ///
+    /// The step changes its velocity by force · step / mass. What touches nothing and has no joints is moved by the velocity at the step's end, gravity
+    /// included (symplectic Euler), and so is, as a whole, what touches or is jointed only among itself: springs, orbits, magnets and buoyancy that are worked
+    /// out of the poses before each step keep their energy, and a constant thrust is half a step ahead of its parabola. On what touches or is jointed to
+    /// something fixed the force is spread over the step.
+    ///
     /// # Errors
     /// A handle that is not a body of this world, a body that is not dynamic, a number that is not finite.
     pub fn add_force(&mut self, body: BodyId, force: Vec3) -> Result<()> {

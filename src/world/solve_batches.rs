@@ -2,14 +2,14 @@
 
 use std::cmp::Reverse;
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::World;
 use super::body_shape_table::BodyShapeTable;
 use super::driven_ways::DrivenWays;
 use super::islands::IslandGroups;
 use super::long_range::BoundRecord;
-use super::unions::{Union, Unions};
+use super::unions::Unions;
 use crate::body::{Body, BodyKind};
 use crate::collide::cache::PairCache;
 use crate::collide::collider::Collider;
@@ -18,7 +18,6 @@ use crate::collide::persistent_manifold::TOUCHING_SHARE;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint_graph::Derived;
 use crate::joint_graph::plane::Chain;
-use crate::joint_graph::union::UnionMotion;
 use crate::joint_record::Joint;
 use crate::long_range::LongRangeDef;
 use crate::material::PairMaterial;
@@ -30,7 +29,7 @@ use crate::solve::contact::ContactInput;
 use crate::solve::disjoint::{DisjointSlices, Slots};
 use crate::solve::distance_bound::BoundEntry;
 use crate::solve::joint::JointEnd;
-use crate::solve::state::{BodyMotion, BodyVelocity, Constraints, MotionKind, Symmetric, WORLD_SLOT};
+use crate::solve::state::WORLD_SLOT;
 use crate::solve::step::BatchStages;
 use crate::solve::taut_line::TautEntry;
 use crate::tight_vec::make_room;
@@ -41,11 +40,9 @@ mod direct;
 mod joints;
 mod planes;
 mod round;
+mod states;
 mod tally;
 mod wrap;
-
-/// Relative difference of principal moments below which a body is taken as round.
-const ROUND: f32 = 1.0e-5;
 
 /// How much faster than the fastest body of its batch a body may become in one step by what others do to it: an elastic blow from
 /// one that is far heavier doubles its speed.
@@ -177,6 +174,8 @@ impl BatchInput<'_> {
             self.form_inputs(batch, threads);
         }
         self.list_joints(batch, threads);
+        let is_swept = |index: u32| self.swept.get(index as usize).is_some_and(|&swept| swept);
+        batch.kick_what_is_pushed(settings, self.solver, |index| self.center(index), is_swept);
         self.lay_out(batch, settings, threads);
         self.list_round_contacts(batch);
         self.fill_bounds(batch);
@@ -195,97 +194,6 @@ impl BatchInput<'_> {
         let body = |slot: usize| (slot != WORLD_SLOT as usize).then(|| bodies[slot]);
         let united = |slot| body(slot).is_some_and(|body| self.unions.moving(body).is_some());
         half_steps.take_back(velocities, united, |slot| self.bodies[body(slot)?].history.lead());
-    }
-
-    /// State of what has the slot of this body: the body, or the union that it leads.
-    fn slot_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
-        match self.unions.moving(index) {
-            Some(union) => self.union_state(union),
-            None => self.body_state(index),
-        }
-    }
-
-    /// A union as one body: forces on its members add up about its centre.
-    fn union_state(&self, union: &Union) -> (BodyVelocity, BodyMotion) {
-        let UnionMotion { center, rotation, linear, angular } = union.motion;
-        let mass = union.mass;
-        let (mut force, mut torque, mut decay, mut turning_decay, mut turning) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0, 0.0);
-        let lead = &self.bodies[union.lead];
-        for &index in &union.members {
-            let body = &self.bodies[index];
-            let Some(own) = &body.mass else { continue };
-            let arm = (body.center - center).as_vec3();
-            // Gravity is the same pull on all but for what members' factors differ by.
-            let excess = self.gravity * ((body.settings.gravity_scale - lead.settings.gravity_scale) * own.mass);
-            force += body.force + excess;
-            torque += body.torque + arm.cross(body.force + excess);
-            let weight = own.mass * arm.length_squared() + own.principal_inertia.element_sum() / 3.0;
-            decay += body.settings.linear_damping * own.mass;
-            turning_decay += body.settings.angular_damping * weight;
-            turning += weight;
-        }
-        let inertia = mass.principal_inertia;
-        let inverse = crate::shape::inertia_tensor(1.0 / inertia, rotation * mass.inertia_frame);
-        let at_rest = BodyVelocity::new(Vec3::splat(1.0 / mass.mass), Symmetric::from_mat3(inverse));
-        let velocity = BodyVelocity { linear, angular, ..at_rest };
-        let jointed = !union.outer.is_empty();
-        let motion = BodyMotion {
-            rotation,
-            acceleration: self.gravity * lead.settings.gravity_scale + force / mass.mass,
-            torque,
-            linear_damping: decay / mass.mass,
-            angular_damping: turning_decay / turning,
-            inertia,
-            inertia_frame: mass.inertia_frame,
-            kind: if is_round(inertia) { MotionKind::Round } else { MotionKind::Tumbling },
-            steady: lead.times.settling.is_steady(),
-            young: lead.times.settling.is_young(),
-            jointed,
-            constraints: if jointed { Constraints::Holding } else { Constraints::None },
-            driven: union.members.iter().any(|&member| self.driven.drives(member)),
-            ..BodyMotion::FIXED
-        };
-        (velocity, motion)
-    }
-
-    fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
-        let body = &self.bodies[index];
-        let inverse_mass = body.inverse_mass() * crate::body::free_axes(body.settings.locked_axes.translation);
-        let velocity = BodyVelocity {
-            linear: body.linear_velocity,
-            angular: body.angular_velocity,
-            ..BodyVelocity::new(inverse_mass, Symmetric::from_mat3(body.world_inverse_inertia()))
-        };
-        let mass = body.mass.as_ref();
-        let inertia = mass.map_or(Vec3::ONE, |mass| mass.principal_inertia);
-        let [acceleration, torque] = match body.acts_as() {
-            BodyKind::Dynamic => [self.gravity * body.settings.gravity_scale + body.force * body.inverse_mass(), body.torque],
-            BodyKind::Kinematic => body.kinematic.path.as_ref().map_or([Vec3::ZERO; 2], |path| path.slope),
-            BodyKind::Static => [Vec3::ZERO; 2],
-        };
-        let motion = BodyMotion {
-            rotation: body.rotation,
-            acceleration,
-            torque,
-            linear_damping: body.settings.linear_damping,
-            angular_damping: body.settings.angular_damping,
-            inertia,
-            inertia_frame: mass.map_or(Quat::IDENTITY, |mass| mass.inertia_frame),
-            locked_rotation: body.settings.locked_axes.rotation,
-            kind: match body.acts_as() {
-                BodyKind::Static => MotionKind::Fixed,
-                BodyKind::Kinematic => MotionKind::Kinematic,
-                BodyKind::Dynamic if is_round(inertia) => MotionKind::Round,
-                BodyKind::Dynamic => MotionKind::Tumbling,
-            },
-            steady: body.times.settling.is_steady(),
-            young: body.times.settling.is_young(),
-            jointed: !body.joints.is_empty(),
-            constraints: if body.joints.is_empty() { Constraints::None } else { Constraints::Holding },
-            driven: self.driven.drives(index),
-            ..BodyMotion::FIXED
-        };
-        (velocity, motion)
     }
 
     /// Slot of a body in a batch: its own, a replica where it is kinematic and moves, or that of the world.
@@ -492,9 +400,4 @@ impl Pace {
         let acceleration = batch.motions.iter().map(|motion| motion.acceleration.length_squared()).fold(0.0, f32::max);
         Self { speed: speed.sqrt(), spin: spin.sqrt(), acceleration: acceleration.sqrt() }
     }
-}
-
-/// Whether principal moments are so nearly equal that the body does not tumble.
-fn is_round(inertia: Vec3) -> bool {
-    inertia.max_element() - inertia.min_element() <= ROUND * inertia.max_element()
 }

@@ -13,17 +13,9 @@ impl Batch {
     /// Marks the bodies of islands without joints that fall as a whole.
     pub(crate) fn mark_falling(&mut self) {
         let end = self.moving() + 1;
-        let Self { islands, standing, manifolds, body_flags, motions, .. } = self;
-        standing.clear();
-        standing.resize(islands.len(), false);
-        for ends in &manifolds.ends {
-            let [a, b] = [ends.a, ends.b].map(|slot| body_flags[slot as usize].moves());
-            if a != b {
-                let slot = if a { ends.a } else { ends.b };
-                standing[islands.partition_point(|&first| first <= slot) - 1] = true;
-            }
-        }
-        for number in (0..islands.len()).filter(|&number| !standing[number]) {
+        self.note_contacts();
+        let Self { islands, notes, body_flags, motions, .. } = self;
+        for number in (0..islands.len()).filter(|&number| !notes[number].is_held) {
             let next = islands.get(number + 1).map_or(end, |&next| next as usize);
             let slots = islands[number] as usize..next;
             let (fall, damping) = (motions[slots.start].acceleration, motions[slots.start].linear_damping);

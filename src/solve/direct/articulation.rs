@@ -64,6 +64,15 @@ const MAX_MANIFOLDS: usize = 6;
 /// Greatest mass over the least up to which they would: cables sink into their drums within ten seconds at 90, not at 50.
 const ALIKE_MASSES: f64 = 20.0;
 
+/// What became of the forces on its bodies.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ForceChange {
+    /// Whether those on any body are others than in its last substep.
+    is_anew: bool,
+    /// Whether its bodies have got an impulse as one at the start of the step.
+    pub is_kicked: bool,
+}
+
 /// Bodies and joints that are solved together.
 #[derive(Debug, Default)]
 pub(crate) struct Articulation {
@@ -174,8 +183,7 @@ pub(crate) struct Articulation {
     pub(super) rest: f64,
     /// Whether what holds it changes its velocity at once as the next substep begins.
     pub(super) is_jolted: bool,
-    /// Whether forces on any body are others than in its last substep.
-    is_pushed_anew: bool,
+    pub(super) forces: ForceChange,
     /// Whether a rigid position motor was on its way in the last substep.
     pub(super) is_under_way: bool,
     /// What its servos move.
@@ -233,16 +241,17 @@ impl Articulation {
         self.bodies.clear();
         self.origins.clear();
         self.histories.clear();
-        self.is_pushed_anew = false;
+        self.forces = ForceChange::default();
         self.outcome = StepOutcome::default();
     }
 
-    /// Takes in a body, whose number is returned; the first must be the world.
+    /// Takes in a body, whose number is returned; the first must be the world. What has got an impulse with its island has the
+    /// velocity after it, and the history before it.
     pub(crate) fn enlist(
         &mut self,
         slot: u32,
         origin: DVec3,
-        history: History,
+        (history, is_kicked): (History, bool),
         velocity: &BodyVelocity,
         motion: &BodyMotion,
     ) -> u32 {
@@ -250,7 +259,8 @@ impl Articulation {
         self.origins.push(origin);
         let body = DirectBody::new(slot, velocity, motion);
         let mut history = history;
-        self.is_pushed_anew |= body.push_before(&mut history, [motion.acceleration, motion.torque]);
+        self.forces.is_anew |= body.push_before(&mut history, [motion.acceleration, motion.torque]);
+        self.forces.is_kicked |= is_kicked;
         self.histories.push(history);
         self.is_damped |= body.is_damped();
         let number = self.bodies.len() as u32;
@@ -354,10 +364,11 @@ impl Articulation {
         (self.continues, self.after_first_order) = (None, false);
         self.is_jolted = self.histories.iter().any(History::is_jolted);
         // A stop that pressed against a force would go on without it.
-        let is_let_go = self.is_pushed_anew && self.entries.iter().any(|entry| entry.impulses.pressing() != 0);
+        let is_let_go = self.forces.is_anew && self.entries.iter().any(|entry| entry.impulses.pressing() != 0);
         if self.is_jolted || is_let_go {
             self.forget_histories();
         }
+        self.kick_histories();
         self.stop_at_joints(joints);
         let energy = self.energy();
         self.take_substeps(joints, settings);

@@ -240,7 +240,7 @@ impl<R: BatchRecords> BuildInput<'_, R> {
         taker.articulation.enlist(
             WORLD_SLOT,
             DVec3::ZERO,
-            History::NONE,
+            (History::NONE, false),
             &self.velocities[WORLD_SLOT as usize],
             &BodyMotion::FIXED,
         );

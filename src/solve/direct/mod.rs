@@ -144,7 +144,7 @@ pub(crate) trait BatchRecords {
     /// A joint as it is solved.
     fn joint(&self, link: &JointLink) -> JointEntry;
     /// Where a slot's body stands (m), and its last substep.
-    fn body(&self, slot: u32) -> (DVec3, History);
+    fn body(&self, slot: u32) -> (DVec3, (History, bool));
     /// Shape operators of both surfaces of the contact of this number in world axes (1/m), where both are smooth, and how far its
     /// body B, or else A, reaches from its centre of mass (m).
     fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)>;

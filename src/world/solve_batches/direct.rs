@@ -9,6 +9,7 @@ use crate::settings::Solver;
 use crate::shape::Shape;
 use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, BatchManifolds};
+use crate::solve::body_flags::BodyFlags;
 use crate::solve::direct::BatchRecords;
 use crate::solve::joint::{JointEntry, JointLink};
 use crate::solve::newton::{Contents, IslandRecords, Surfaces, Tangency};
@@ -24,16 +25,25 @@ struct Within<'a> {
     /// Body of each slot.
     bodies: &'a [u32],
     manifolds: &'a [(u32, u32)],
+    body_flags: &'a [BodyFlags],
     /// By what carried multipliers grow, and how many substeps are taken at once.
     scale: f32,
     stride: f32,
 }
 
 impl BatchRecords for Within<'_> {
-    fn body(&self, slot: u32) -> (DVec3, History) {
+    fn body(&self, slot: u32) -> (DVec3, (History, bool)) {
         let index = self.bodies[slot as usize];
         let body = &self.world.bodies[index];
-        (self.world.unions.moving(index).map_or(body.center, |union| union.motion.center), body.history.get())
+        let (center, velocities) = match self.world.unions.moving(index) {
+            Some(union) => (union.motion.center, [union.motion.linear, union.motion.angular]),
+            None => (body.center, [body.linear_velocity, body.angular_velocity]),
+        };
+        let (mut history, is_kicked) = (body.history.get(), self.body_flags[slot as usize].is_kicked());
+        if is_kicked && [history.linear, history.angular] != velocities {
+            history.strike();
+        }
+        (center, (history, is_kicked))
     }
 
     fn joint(&self, link: &JointLink) -> JointEntry {
@@ -144,7 +154,7 @@ impl BatchInput<'_> {
             if !self.swept.is_empty() {
                 joints.links.iter_mut().for_each(|link| link.is_withheld = is_swept(link.a) || is_swept(link.b));
             }
-            let records = Within { world: self, bodies, manifolds, scale, stride };
+            let records = Within { world: self, bodies, manifolds, body_flags, scale, stride };
             let contents = Contents { islands, end: first_replica, velocities, motions, contacts: inputs };
             newton.step(&mut joints.links, contents, &records, (self.joints, settings, threads));
             direct.find_touching(inputs, (&*velocities, &*motions), h);
