@@ -21,6 +21,7 @@ mod determinism;
 mod direct;
 mod drawn_past_walls;
 mod driven_into;
+mod edits_after_restore;
 mod events;
 mod falling;
 mod far_origin;

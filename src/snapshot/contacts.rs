@@ -1,8 +1,7 @@
 //! Pairs with their contacts as three tables, rows of one length each: pairs, their manifolds, the manifolds' points.
 //!
 //! Much of a pair follows all but exactly from the rest, and is stored as the difference from what would be expected: the pose that
-//! manifolds were made for is a few steps from the pose of now (if it is not, the next step makes them anew whatever it was, unless
-//! it moves the pair before it looks at it), and a point on B is, counted in steps from one float to the next,
+//! manifolds were made for is mostly a few steps from the pose of now, and a point on B is, counted in steps from one float to the next,
 //! near the one on A moved along the normal by the separation. Whoever reads expects the same, bit for bit.
 
 use glam::{Quat, Vec3};
@@ -122,16 +121,17 @@ impl Stored for Steps {
     }
 }
 
-/// Writes the pairs in these slots with all they carry; `moves_first` says which of them the next step may move before it looks at them.
+/// Writes the pairs in these slots with all they carry. The pose that manifolds were made for is among that even where it is so far from that of
+/// now that the next step would make them anew: an edit before it may put a body to sleep, which is looked at only after it has moved on, or
+/// back where it came from.
 pub(crate) fn write(
     tables: &mut Output,
     (pairs, slots): (&PairCache, impl ExactSizeIterator<Item = u32> + Clone),
     colliders: &Pool<Collider, ShapeId>,
-    moves_first: impl Fn(&Pair) -> bool,
 ) {
     let row_of = |slot| {
         let pair = pairs.get(slot);
-        row_of((pair, pairs.blow_of(slot)), colliders, moves_first(pair))
+        row_of((pair, pairs.blow_of(slot)), colliders)
     };
     let (rows, far): (Vec<PairRow>, Vec<Option<FarPose>>) = slots.clone().map(row_of).unzip();
     tables.table(rows.iter());
@@ -176,9 +176,6 @@ struct Now {
     exact: Pose3,
     coarse: Pose3,
     unit: f32,
-    least_extent: f32,
-    /// Whether either shape is round.
-    is_round: bool,
 }
 
 impl Now {
@@ -187,8 +184,7 @@ impl Now {
         let (a, b) = (colliders.get(a)?, colliders.get(b)?);
         let least_extent = a.least_extent.min(b.least_extent);
         let (exact, unit) = (a.relative(b), pose_unit(least_extent));
-        let is_round = a.shape.is_round() || b.shape.is_round();
-        Some(Self { exact, coarse: coarse(&exact, unit), unit, least_extent, is_round })
+        Some(Self { exact, coarse: coarse(&exact, unit), unit })
     }
 }
 
@@ -232,11 +228,7 @@ fn unpacked(from: [f32; 7], bits: u32, units: [f32; 7]) -> [f32; 7] {
     })
 }
 
-fn row_of(
-    (pair, blow): (&Pair, ActiveHit),
-    colliders: &Pool<Collider, ShapeId>,
-    moves_first: bool,
-) -> (PairRow, Option<FarPose>) {
+fn row_of((pair, blow): (&Pair, ActiveHit), colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<FarPose>) {
     // Written out, so that a field that is new does not compile.
     let Pair {
         key,
@@ -263,7 +255,7 @@ fn row_of(
     let info = flag(*may_touch, MAY_TOUCH) | flag(*in_contact, IN_CONTACT) | (manifolds.len() as u32 * MANIFOLDS);
     let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: blow.approach, blow: blow.impulse };
     let mut far = None;
-    let now = Now::of(*key, colliders).filter(|now| moves_first || pair.is_near(&now.exact, now.least_extent, now.is_round));
+    let now = Now::of(*key, colliders);
     if let (Some((pose, margin)), Some(now)) = (pair.made_for(), now) {
         row.info |= HAS_POSE;
         row.margin = margin.to_bits() >> MARGIN_SHIFT;

@@ -164,6 +164,17 @@ impl World {
         self.hand_out_joints();
     }
 
+    /// Finds the islands of now for an edit between two steps. None begins to be held: whether something comes near is only looked for in the next
+    /// step, which finds its own islands.
+    pub(super) fn find_islands(&mut self) {
+        self.collision.pairs.settle();
+        self.take_census();
+        self.list_touches();
+        self.join_islands();
+        self.number_islands();
+        self.islands.groups.listed.joint_version = None;
+    }
+
     fn join_islands(&mut self) {
         let Self {
             scratch,

@@ -57,7 +57,7 @@ impl World {
             self.collision.pairs.settle();
             self.collision.index.add_stances(self.collision.pairs.active(), &self.colliders, &self.bodies);
             self.collision.touches.outdate();
-            self.group_islands();
+            self.find_islands();
             let island = self.islands.groups.island[index as usize];
             let members = self.islands.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
             self.put_islands_to_sleep(vec![members.clone()]);

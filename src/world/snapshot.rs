@@ -12,7 +12,6 @@ use super::{Batches, Collision, Islands, LastStep, Movers, World};
 use crate::body::{Anchored, Body, SleepState};
 use crate::collide::cache::PairCache;
 use crate::collide::collider::{Collider, own_margin};
-use crate::collide::pairs::Pair;
 use crate::error::Result;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::island::{SleepingIsland, SleepingIslands};
@@ -164,12 +163,7 @@ impl World {
             .map(|(slot, shape)| LastBox { shape: slot, tight_box: shape.tight_box })
             .collect();
         tables.table(last_boxes.iter());
-        // What stands is looked at only after it has moved on, and a union that forms puts its bodies where its joints hold them.
-        let moves_first = |pair: &Pair| {
-            let owners = <[u32; 2]>::from(pair.key.shapes()).map(|shape| colliders[shape].body);
-            owners.iter().all(|&body| !is_followed(body)) || owners.iter().any(|&body| !bodies[body].joints.is_empty())
-        };
-        contacts::write(tables, (pairs, pairs.listed().iter().map(|&(_, slot)| slot)), colliders, moves_first);
+        contacts::write(tables, (pairs, pairs.listed().iter().map(|&(_, slot)| slot)), colliders);
     }
 
     /// Writes islands that sleep, and their contacts.
@@ -178,7 +172,7 @@ impl World {
         // What a sleeping island kept of a shape that has gone since is not there any more.
         let is_whole = |slot: &u32| is_whole(colliders, pairs.get(*slot).key);
         let asleep: Vec<u32> = sleeping.pairs().filter(is_whole).collect();
-        contacts::write(tables, (pairs, asleep.into_iter()), colliders, |_| true);
+        contacts::write(tables, (pairs, asleep.into_iter()), colliders);
         let island = |island: &Option<SleepingIsland>| {
             island.as_ref().map(|SleepingIsland { bodies, pairs, .. }| IslandRow {
                 bodies: Runs(bodies.clone()),
