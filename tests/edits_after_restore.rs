@@ -1,6 +1,6 @@
 //! What a host does between a restore and the next step has the consequences that the same has after the save.
 
-use longspan::glam::{DVec3, Vec3};
+use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, BodyId, BodyKind, CollisionFilter, Geometry, Mass, Pose, Shape, ShapeDef, World, WorldDef};
 
 use longspan_scenes::Random;
@@ -70,5 +70,35 @@ fn an_edit_right_after_a_restore_has_the_same_consequences() {
             before = bodies.iter().map(|&body| world.pose(body).unwrap()).collect();
             world.step(1.0 / rate).unwrap();
         }
+    }
+}
+
+/// A ball that has hit the floor and is put to sleep in the air, half a metre up: its contact stayed begun.
+#[test]
+fn a_contact_ends_where_what_has_left_it_is_put_to_sleep() {
+    for rate in [30.0_f32, 60.0, 240.0] {
+        let mut world = World::new(&WorldDef::default()).unwrap();
+        let solid = |half: Vec3| {
+            let mut shape = ShapeDef::new(Shape::cuboid(half).unwrap());
+            shape.material.restitution = 0.9;
+            shape
+        };
+        world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -0.5, 0.0)).with_shape(solid(Vec3::new(20.0, 0.5, 20.0)))).unwrap();
+        let mut ball = BodyDef::dynamic(Pose { position: DVec3::Y * 1.5, rotation: Quat::IDENTITY });
+        ball.linear_velocity = Vec3::NEG_Y * 40.0;
+        let mut shape = ShapeDef::new(Shape::ball(0.1).unwrap());
+        shape.material.restitution = 0.9;
+        let ball = world.create_body(&ball.with_shape(shape)).unwrap();
+        let (mut begun, mut slept) = (0_i32, false);
+        for _ in 0..rate as u32 {
+            world.step(1.0 / rate).unwrap();
+            begun += world.contact_began().len() as i32 - world.contact_ended().len() as i32;
+            let height = world.pose(ball).unwrap().position.y;
+            if begun > 0 && height > 0.11 && !slept {
+                world.put_to_sleep(ball).unwrap();
+                slept = true;
+            }
+        }
+        assert!(slept && begun == 0, "{rate} Hz: put to sleep: {slept}, {begun} contacts that have not ended");
     }
 }

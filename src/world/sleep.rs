@@ -1,10 +1,13 @@
 //! Sleep: whole islands, with the pairs between their bodies.
 
 use super::drift::{WATCHED_AGAIN, quiet_after};
+use super::pairs::contact_pair;
 use super::wake::Edited;
 use super::{Collision, Movers, World};
 use crate::body::{Anchored, BodyKind, SleepState};
 use crate::collide::cache::Fate;
+use crate::collide::pairs::PairKey;
+use crate::collide::persistent_manifold::TOUCHING_SHARE;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::BodyId;
 use crate::island::SleepingIsland;
@@ -60,11 +63,36 @@ impl World {
             self.find_islands();
             let island = self.islands.groups.island[index as usize];
             let members = self.islands.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
+            self.end_what_has_parted(&members);
             self.put_islands_to_sleep(vec![members.clone()]);
             members.into_iter().for_each(|member| self.rest_boxes(member));
             self.settle_movers();
         }
         Ok(())
+    }
+
+    /// Ends the contacts of these bodies that pressed in the last step and are apart by now: no step looks at them while the bodies sleep.
+    fn end_what_has_parted(&mut self, members: &[u32]) {
+        let is_member = |shape: u32| members.binary_search(&self.colliders[shape].body).is_ok();
+        let has_parted = |key: PairKey| {
+            let [a, b] = <[u32; 2]>::from(key.shapes()).map(|shape| self.colliders.handle_of(shape));
+            let extent = self.collision.index.least_extent(key);
+            self.shape_distance(a, b).is_ok_and(|found| found.distance > f64::from(TOUCHING_SHARE * extent))
+        };
+        let active = self.collision.pairs.active().iter();
+        let parted: Vec<(PairKey, u32)> = active
+            .filter(|&&(key, slot)| {
+                let (a, b) = key.shapes();
+                self.collision.pairs.get(slot).in_contact && (is_member(a) || is_member(b)) && has_parted(key)
+            })
+            .copied()
+            .collect();
+        for (key, slot) in parted {
+            let pair = self.collision.pairs.get_mut(slot);
+            pair.forget_impulses();
+            pair.in_contact = false;
+            self.events.ended_by_edits.push(contact_pair(&self.colliders, &self.bodies, key));
+        }
     }
 
     /// Drops from the list of movers what no longer moves, and sorts it.
