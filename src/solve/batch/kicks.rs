@@ -103,8 +103,16 @@ impl Batch {
     }
 }
 
+/// Whether its forces can be told; what they tear to infinity is taken out after the step.
+fn is_bounded(motion: &BodyMotion) -> bool {
+    motion.acceleration.is_finite() && motion.torque.is_finite()
+}
+
 /// Gives a body at once what its forces and damping change of its velocities in all substeps of a step.
 fn kick(velocity: &mut BodyVelocity, motion: &mut BodyMotion, settings: &StepSettings) {
+    if !is_bounded(motion) {
+        return;
+    }
     let h = settings.dt / settings.substeps as f32;
     let free = velocity.inverse_mass.cmpgt(Vec3::ZERO);
     let push = Vec3::select(free, motion.acceleration * h, Vec3::ZERO);
@@ -151,7 +159,8 @@ fn kick_together(
     center: impl Fn(usize) -> DVec3,
     settings: &StepSettings,
 ) {
-    if motions.iter().any(|motion| motion.linear_damping != 0.0 || motion.angular_damping != 0.0) {
+    let is_damped = |motion: &BodyMotion| motion.linear_damping != 0.0 || motion.angular_damping != 0.0;
+    if motions.iter().any(|motion| is_damped(motion) || !is_bounded(motion)) {
         return;
     }
     let origin = center(0);
