@@ -88,6 +88,7 @@ mod springs;
 mod square_posts;
 mod stability;
 mod stacks;
+mod standing_swings;
 mod standing_on_motors;
 mod state;
 mod sticks;

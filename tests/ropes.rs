@@ -169,12 +169,11 @@ fn sunk_chain(depth: f64) -> World {
 fn what_is_jointed_and_made_inside_something_comes_out_of_it() {
     let edges =
         [(5.0, 1.0, 30.0), (5.0, 1.0, 60.0), (100.0, 1.0, 60.0), (5.0, 1.0, 240.0), (100.0, 1.0, 240.0), (100.0, 10.0, 60.0)];
-    let edges =
-        edges.map(|(load, size, rate)| (format!("{load} kg, size {size}"), through_an_edge(size, load), 3.0e-3 * size, rate));
+    let edges = edges.map(|(load, size, rate)| (format!("{load} kg, size {size}"), through_an_edge(size, load), size, rate));
     let chains = [(0.09, 30.0), (0.15, 60.0), (0.09, 240.0), (0.15, 240.0)];
-    let chains = chains.map(|(depth, rate)| (format!("sunk by {depth} m"), sunk_chain(depth), 3.0e-3, rate));
-    for (name, mut world, bar, rate) in edges.into_iter().chain(chains) {
-        let (mut last, mut gap) = (0.0, 0.0_f32);
+    let chains = chains.map(|(depth, rate)| (format!("sunk by {depth} m"), sunk_chain(depth), 1.0, rate));
+    for (name, mut world, size, rate) in edges.into_iter().chain(chains) {
+        let (mut last, mut gap, bar) = (0.0, 0.0_f32, 3.0e-3 * size);
         for step in 0..(1.5 * rate) as usize {
             let residuals = world.step(1.0 / rate as f32).unwrap().residuals;
             last = if f64::from(residuals.penetration) > bar { step as f64 / rate } else { last };
@@ -182,7 +181,8 @@ fn what_is_jointed_and_made_inside_something_comes_out_of_it() {
         }
         println!("{name}, {rate} steps a second: overlaps until {last:.2} s, gap {:.3} mm", 1e3 * gap);
         // One that falls asleep where it is overlaps by nothing, as sleepers are not told of: it would have ended after half a second.
-        assert!(last > 0.0 && last < 0.7, "{name}, {rate} steps a second: overlaps until {last} s");
+        // What is so many times larger falls into place in the square root of that time.
+        assert!(last > 0.0 && last < 0.7 * size.sqrt(), "{name}, {rate} steps a second: overlaps until {last} s");
         assert!(f64::from(gap) < bar, "{name}, {rate} steps a second: joints open by {gap} m");
         let mut deepest = 0.0_f32;
         for contact in world.contacts() {

@@ -38,12 +38,11 @@ impl IslandBodies<'_> {
                 }
             }
         }
-        let (fall, damping) = (first?.acceleration, first?.linear_damping);
-        let falls_alike = |body: &DirectBody| body.acceleration == fall && body.linear_damping == damping;
-        let falls = |body: &DirectBody| !body.is_dynamic() || (body.free_axes() == [1.0; 6] && falls_alike(body));
-        if !stands && bodies.iter().all(falls) {
-            return Some(fall);
+        let first = first?;
+        if !stands && self.fall_as(first) {
+            return Some(first.acceleration);
         }
+        let fall = first.acceleration;
         let difference = 0.5 * fall.length() * h;
         let meets = |[a, b]: [u32; 2], pressed: &[bool]| a != FIXED && b != FIXED && pressed[a as usize] != pressed[b as usize];
         while let Some(term) = problem.terms.iter().find(|term| {
@@ -52,5 +51,18 @@ impl IslandBodies<'_> {
             term.bodies.iter().for_each(|&body| pressed[body as usize] = true);
         }
         None
+    }
+
+    /// Whether it falls as a single body would where nothing presses.
+    pub(super) fn fall_as_one(&self) -> bool {
+        let mut led = self.joint_ends.iter().flatten().copied().peekable();
+        let Some(&first) = led.peek() else { return true };
+        led.all(|body| self.moved[body] != FIXED) && self.fall_as(&self.bodies[first])
+    }
+
+    fn fall_as(&self, first: &DirectBody) -> bool {
+        let falls_alike =
+            |body: &DirectBody| body.acceleration == first.acceleration && body.linear_damping == first.linear_damping;
+        self.bodies.iter().all(|body| !body.is_dynamic() || (body.free_axes() == [1.0; 6] && falls_alike(body)))
     }
 }

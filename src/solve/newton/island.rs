@@ -12,7 +12,7 @@ use super::outline::{JointOutline, Outline};
 use super::passes::{Effort, MAX_FACTORS};
 use super::patch::Patch;
 use super::problem::{BodyMass, Problem, Stiff};
-use super::stiffness::positive_part;
+use super::stiffness::{positive_part, unresolved};
 use super::term::FIXED;
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint_record::Joint;
@@ -29,7 +29,7 @@ use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 const STIFFER: f64 = 0.5;
 
 /// Length below which a line has no direction (m).
-const MIN_LENGTH: f64 = 1.0e-6;
+pub(super) const MIN_LENGTH: f64 = 1.0e-6;
 
 /// How a step went.
 #[derive(Debug, Clone, Copy, Default)]
@@ -73,14 +73,14 @@ pub(crate) struct CoupledIsland {
     anchors: Vec<u32>,
     pub(super) rates: Vec<Rate>,
     pub(super) local_poses: Vec<LocalPose>,
-    began: Vec<LocalPose>,
+    pub(super) began: Vec<LocalPose>,
     /// Where bodies may be moved to as errors of positions are taken out.
     pub(super) moved_to: Vec<LocalPose>,
     pub patches: Vec<Patch>,
     outline: Outline,
     pub(super) problem: Problem,
     /// Whether anything presses on each body of the problem, or on one that it touches.
-    pressed: Vec<bool>,
+    pub(super) pressed: Vec<bool>,
     traces: Vec<f64>,
     torques: Vec<DMat3>,
     /// Sums of the rates at which bodies turn as they go round others, by the impulses that press them, and of those.
@@ -189,6 +189,7 @@ impl CoupledIsland {
         self.began.clone_from(&self.local_poses);
         self.outcome.gaps[0] = self.joint_gap(joints);
         let (before, mut budget) = (self.energy(), None);
+        let is_in_phase = self.is_unpressed();
         for substep in 0..settings.substeps {
             let left = [0, 1].map(|end| h * f64::from(settings.substeps - substep - end));
             let ahead = if substep == 0 { 0.5 * (h - f64::from(settings.dt)) } else { h };
@@ -196,6 +197,9 @@ impl CoupledIsland {
             bent.for_each(|(body, rate)| *rate = body.bent(rate, ahead));
             self.build(joints, h, left);
             self.rebound(joints, settings, h, left);
+            if substep == 0 && is_in_phase {
+                self.begin_in_phase();
+            }
             let budget = budget.get_or_insert_with(|| self.budget(settings));
             let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
             let most = budget.saturating_sub(kept_back).clamp(1, MAX_FACTORS);
@@ -208,6 +212,9 @@ impl CoupledIsland {
             self.outcome.effort.add(effort);
             self.outcome.driven += self.drive_work();
             self.outcome.strain = self.outcome.strain.max(self.problem.strain());
+            if !effort.is_capped {
+                self.follow_bends(h);
+            }
             let passed = if substep + 1 == settings.substeps { f64::from(settings.dt) } else { 0.0 };
             self.problem.relax(if effort.is_capped { f64::INFINITY } else { passed }, self.held.sources.len());
             self.held.keep_impulses(&self.problem);
@@ -220,6 +227,9 @@ impl CoupledIsland {
             if !self.holds_together(gap) {
                 break;
             }
+        }
+        if self.is_unpressed() {
+            self.end_in_phase(joints, h, 0.0);
         }
         let overlaps = self.patches.iter().map(|patch| patch.overlap(&self.local_poses, &self.began));
         self.outcome.penetration = overlaps.fold(0.0, f64::max);
@@ -234,12 +244,6 @@ impl CoupledIsland {
         let share = (1 << halvings) as f32;
         self.held.entries.iter_mut().for_each(|entry| *entry = entry.scaled(share));
         self.patches.iter_mut().for_each(|patch| patch.scale_impulses(f64::from(share)));
-    }
-
-    /// Kinetic energy less the work of forces since the start of the step (J).
-    pub(super) fn energy(&self) -> f64 {
-        let bodies = self.bodies.iter().zip(&self.rates).zip(self.local_poses.iter().zip(&self.began));
-        bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
     }
 
     /// Most that motors, springs and bodies which rows do not move may have done in this substep (J).
@@ -399,7 +403,11 @@ impl CoupledIsland {
             mass.steady = if *pressed > 0.0 { (*turns / *pressed).to_array() } else { [0.0; 3] };
         }
         for (mass, torque) in problem.masses.iter_mut().zip(&*torques) {
-            mass.stiffness = if *torque == DMat3::ZERO { [[0.0; 3]; 3] } else { positive_part(*torque).to_cols_array_2d() };
+            mass.stiffness = if *torque == DMat3::ZERO {
+                [[0.0; 3]; 3]
+            } else {
+                unresolved(positive_part(*torque), DMat3::from_cols_array_2d(&mass.angular)).to_cols_array_2d()
+            };
         }
     }
 

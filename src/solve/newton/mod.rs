@@ -28,6 +28,7 @@ use crate::tuning::plan::MAX_HALVINGS;
 use crate::workers::Workers;
 
 mod admm;
+mod bend;
 mod budget;
 mod elimination;
 mod factor;
@@ -42,6 +43,7 @@ mod outline;
 mod overruled;
 mod passes;
 mod patch;
+mod phase;
 mod positions;
 mod problem;
 mod rebound;

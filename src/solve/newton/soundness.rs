@@ -30,6 +30,12 @@ const ROUNDING: f64 = 1.0e-3;
 const GIVES: [f64; 2] = [1.0e-6, 1.0];
 
 impl CoupledIsland {
+    /// Kinetic energy less the work of forces since the start of the step (J).
+    pub(super) fn energy(&self) -> f64 {
+        let bodies = self.bodies.iter().zip(&self.rates).zip(self.local_poses.iter().zip(&self.began));
+        bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
+    }
+
     /// Whether the step has come to an end, without a gain of energy that nothing has given, and without rows that contradict one another.
     pub(super) fn is_sound(&self) -> bool {
         let free = self.bodies.iter().filter_map(|body| Some((body.free_mass()?, body.pull())));

@@ -56,6 +56,18 @@ pub(crate) fn positive_part(matrix: DMat3) -> DMat3 {
     if is_only_positive { own } else { matrix + own }
 }
 
+/// The part of a stiffness K against rotation, of an inertia I, that a substep does not resolve: K X² (1 + X²)⁻¹ with X = I⁻¹ K.
+///
+/// What is resolved, X well below one, is in the rows, which turn with the bodies from one substep to the next, and keeps its energy so.
+/// The rest of an oscillation, K/(1 + X²), is taken as in the leapfrog, which bears X up to four, and is at most half of the inertia that stands
+/// against it. With X in place of X² a bob on a hinge loses 13 % in 10 s at 30 steps a second instead of 4.
+pub(crate) fn unresolved(stiffness: DMat3, inertia: DMat3) -> DMat3 {
+    let ratio = inertia.inverse() * stiffness;
+    let square = ratio * ratio;
+    let part = stiffness * square * (DMat3::IDENTITY + square).inverse();
+    0.5 * (part + part.transpose())
+}
+
 /// The greatest eigenvalue (`end` is 1) or the least one (−1) of a matrix with these coefficients of its characteristic polynomial, by the
 /// method of Laguerre: where all roots are real it goes to the outermost from outside without passing it.
 fn outermost(end: f64, [trace, minors, determinant]: [f64; 3]) -> f64 {
