@@ -306,8 +306,8 @@ impl Articulation {
         let mut sink =
             RowSink { driven, answers, ..RowSink::new(geometry, &joints[entry.joint].def, all, angles, &mut self.asked) };
         kinds::add_rows(&mut sink);
-        locks::take_out(&mut sink, Freedom::of_both(bodies[0].freedom(), bodies[1].freedom()));
-        let stops = sink.scalars.iter().filter(|row| row.is_stop() && row.acts);
+        let locks = Freedom::of_both(bodies[0].freedom(), bodies[1].freedom());
+        let stops = sink.scalars.iter().filter(|row| row.is_stop() && !locks.is_some_and(|locks| locks::hold(locks, row)));
         let state = |row: &ScalarRow| StopState {
             id: row.id,
             distance: row.bias,

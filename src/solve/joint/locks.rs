@@ -10,7 +10,7 @@
 use glam::{DMat3, DVec3};
 
 use super::row_sink::RowSink;
-use super::rows::{BlockRow, HeldDirections};
+use super::rows::{BlockRow, HeldDirections, ScalarRow};
 use crate::linalg::eigen::symmetric_eigen;
 
 /// Sine of the angle between a row and what locks leave of it up to which they hold it.
@@ -85,12 +85,15 @@ pub(crate) fn take_out(sink: &mut RowSink, locks: Option<[Freedom; 2]>) {
     if let Some(block) = &mut sink.direction {
         reduce(block, DMat3::from_diagonal(a.about + b.about));
     }
-    for row in sink.scalars.iter_mut().filter(|row| row.gamma == 0.0) {
-        let at = &row.jacobian;
-        if a.share(at.linear, at.angular_a).max(b.share(at.linear, at.angular_b)) <= HELD * HELD {
-            (row.acts, row.impulse) = (false, 0.0);
-        }
+    for row in sink.scalars.iter_mut().filter(|row| hold([a, b], row)) {
+        (row.acts, row.impulse) = (false, 0.0);
     }
+}
+
+/// Whether locks hold a row that does not give.
+pub(crate) fn hold([a, b]: [Freedom; 2], row: &ScalarRow) -> bool {
+    let at = &row.jacobian;
+    row.gamma == 0.0 && a.share(at.linear, at.angular_a).max(b.share(at.linear, at.angular_b)) <= HELD * HELD
 }
 
 /// Leaves a block the directions in which its rows move anything.
