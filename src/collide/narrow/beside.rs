@@ -62,8 +62,7 @@ impl Side {
         let radii = match *part {
             Part::Capsule { radius, .. } => return Some(Self::around(&line, radius, outward)),
             Part::Cylinder { radius, .. } => [radius; 2],
-            // Across its side a cone bends less than its circles.
-            Part::Cone { half_height, radius } => [line.half.length() / half_height * radius, 0.0],
+            // What a cone is round by grows along its side: its line alone is taken.
             _ => [0.0; 2],
         };
         Some(Self { line, radii })
@@ -105,6 +104,9 @@ pub(super) fn ends(a: &Side, b: &Side, normal: Vec3, near: Vec3) -> [Option<Acro
             (false, false) => return [None, None],
         }
     }
+    let across_b = normal.cross(of_b / of_b.length() * reach_b.signum());
+    // Round a line its surface goes across it, whatever way the normal leans.
+    let [in_a, in_b] = [a.line.half, b.line.half].map(|half| normal.reject_from(half).normalize_or_zero());
     let start = (near - a.line.center).dot(along);
     let least = ARM * (radii(start.clamp(-reach, reach)).0 + b.radius(at(start).1.clamp(-1.0, 1.0)));
     [low, high].map(|z| {
@@ -112,8 +114,9 @@ pub(super) fn ends(a: &Side, b: &Side, normal: Vec3, near: Vec3) -> [Option<Acro
         is_apart.then(|| {
             let ((s, t), (radius_a, radius_b)) = (at(z), radii(z));
             let sin = if radius_a + radius_b > 0.0 { sideways(z) / (radius_a + radius_b) } else { 0.0 };
-            let away = across * sin - normal * (1.0 - (1.0 - sin * sin).max(0.0).sqrt());
-            let (on_a, on_b) = (a.line.at(s) + away * radius_a, b.line.at(t) - away * radius_b);
+            let sagitta = 1.0 - (1.0 - sin * sin).max(0.0).sqrt();
+            let away = |across: Vec3, inward: Vec3| across * sin - inward * sagitta;
+            let (on_a, on_b) = (a.line.at(s) + away(across, in_a) * radius_a, b.line.at(t) - away(across_b, in_b) * radius_b);
             Across { on_a, on_b, separation: normal.dot(on_b - on_a) }
         })
     })
