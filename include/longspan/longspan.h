@@ -3645,10 +3645,11 @@ LsResult ls_body_angular_velocity_set(LsWorld world, LsBody body, const float an
 /**
  * Adds a force at a dynamic body's centre of mass, for the next step.
  *
- * The step changes its velocity by force · step / mass. What touches nothing and has no joints is moved by the velocity at the step's end, gravity
- * included (symplectic Euler), and so is, as a whole, what touches or is jointed only among itself: springs, orbits, magnets and buoyancy that are worked
- * out of the poses before each step keep their energy, and a constant thrust is half a step ahead of its parabola. On what touches or is jointed to
- * something fixed the force is spread over the step.
+ * The step changes its velocity by force · step / mass. What touches nothing and has no joints is moved by the velocity at
+ * the step's end, gravity included (symplectic Euler), and so is, as a whole, what touches or is jointed only among itself:
+ * springs, orbits, magnets and buoyancy that are worked out of the poses before each step keep their energy, and a constant
+ * thrust is half a step ahead of its parabola. On what touches or is jointed to something fixed the force is spread over the
+ * step.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe

@@ -46,6 +46,8 @@ struct BorneTraits {
     is_heavy: bool,
     /// Whether a joint has a motor that does not give, which may close any gap that contacts were looked for in.
     is_driven: bool,
+    /// Whether a motor of a joint holds a place, so that loads go through it.
+    by_motors: bool,
     /// Whether a joint does more than give as a spring does.
     is_held: bool,
 }
@@ -86,8 +88,6 @@ struct IslandTraits {
     stiffness: f64,
     /// Whether a joint has stops on angles.
     is_limbed: bool,
-    /// Whether a motor of a joint holds a place, so that loads go through it.
-    bears: bool,
     /// Whether a joint is with something that rows do not move.
     is_anchored: bool,
     /// Whether all joints hold points together and do nothing else.
@@ -159,7 +159,7 @@ impl Planner {
             look.is_plain &= link.traits.is_plain;
             look.borne.is_held |= !link.traits.gives;
             look.is_limbed |= link.traits.limits_angles;
-            look.bears |= link.traits.holds_by_motor;
+            look.borne.by_motors |= link.traits.holds_by_motor;
             look.borne.is_driven |= link.traits.has_rigid_motor;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
             look.is_anchored |= ends.contains(&0) && is_anchor(link);
@@ -370,7 +370,7 @@ impl IslandTraits {
             _ if self.is_heap() => IslandPlan::Heaped,
             Self { is_anchored: true, .. } | Self { is_looped: true, stands: true, .. } => IslandPlan::Coupled,
             // A foot under limbs that motors hold bears them all, as one under what is rigid.
-            Self { bears: true, .. } => IslandPlan::Coupled,
+            Self { borne: BorneTraits { by_motors: true, .. }, .. } => IslandPlan::Coupled,
             Self { is_limbed: true, .. } => IslandPlan::Jointed,
             _ if self.is_alike() => IslandPlan::Alike,
             _ => IslandPlan::Coupled,

@@ -49,25 +49,28 @@ impl CoupledIsland {
     pub(super) fn follow_bends(&mut self, h: f64) {
         let mut asked = std::mem::take(&mut self.problem.room.asked);
         asked.clear();
+        self.problem.room.bent.clear();
         let mut is_bent = false;
         for number in 0..self.held.rows.len() {
             let rows = &self.held.rows[number];
             let bend = self.bend_of(number, h);
-            let Problem { links, terms, .. } = &mut self.problem;
+            let Problem { links, terms, room, .. } = &mut self.problem;
             let link = &links[number];
             let mut along = [0.0; 6];
             for row in (0..link.rows).filter(|&row| link.give[row] == 0.0) {
                 along[row] = -bend.along(rows.sources[row].place, rows.sources[row].linear);
             }
-            let own = rows.terms.0 as usize..rows.terms.1 as usize;
-            for (term, source) in terms[own.clone()].iter_mut().zip(&self.held.sources[own]) {
-                term.bent = if term.is_one_sided() { -bend.along(source.place, source.linear) } else { 0.0 };
-                is_bent |= term.bent != 0.0;
+            for number in (rows.terms.0..rows.terms.1).filter(|&number| terms[number as usize].is_one_sided()) {
+                let source = &self.held.sources[number as usize];
+                let bent = -bend.along(source.place, source.linear);
+                if bent != 0.0 {
+                    room.bent.push((number, bent));
+                }
             }
             is_bent |= along != [0.0; 6];
             asked.push(along);
         }
-        if is_bent {
+        if is_bent || !self.problem.room.bent.is_empty() {
             self.problem.bend(&asked);
         }
         self.problem.room.asked = asked;
@@ -108,26 +111,31 @@ impl Problem {
             self.factorize();
         }
         let bodies = self.masses.len();
-        let Self { unknowns, terms, factor, structure, .. } = self;
+        let Self { unknowns, terms, factor, structure, room, .. } = self;
         unknowns.clear();
         unknowns.resize(bodies, [0.0; 6]);
-        for term in terms.iter().filter(|term| term.bent != 0.0) {
-            push_term(term, term.gained([term.bent / term.compliance, 0.0]), unknowns);
+        for &(number, bent) in &room.bent {
+            let term = &terms[number as usize];
+            push_term(term, term.gained([bent / term.compliance, 0.0]), unknowns);
         }
         unknowns.extend_from_slice(asked);
         factor.solve(structure, unknowns);
         if !self.is_chord() {
             return;
         }
-        let Self { unknowns, terms, links, velocity, .. } = self;
+        let Self { unknowns, terms, links, velocity, room, .. } = self;
         for (velocity, more) in velocity.iter_mut().zip(&*unknowns) {
             velocity.iter_mut().zip(more).for_each(|(value, more)| *value += more);
         }
         for (link, found) in links.iter_mut().zip(&unknowns[bodies..]) {
             link.impulse.iter_mut().zip(found).for_each(|(impulse, found)| *impulse -= found);
         }
-        for term in terms.iter_mut().filter(|term| term.give == 0.0 && term.gain != [0.0; 2]) {
-            term.lead(unknowns);
+        let mut bent = room.bent.iter().peekable();
+        for (number, term) in (0..).zip(terms.iter_mut()) {
+            let own = bent.next_if(|(of, _)| *of == number).map_or(0.0, |(_, bent)| *bent);
+            if term.give == 0.0 && term.gain != [0.0; 2] {
+                term.lead(unknowns, own);
+            }
         }
     }
 
@@ -152,10 +160,10 @@ impl Problem {
 }
 
 impl Term {
-    /// Takes what a bend's velocities make it do.
-    fn lead(&mut self, velocity: &[[f64; 6]]) {
+    /// Takes what a bend's velocities make it do, of which it asks this (m/s) itself.
+    fn lead(&mut self, velocity: &[[f64; 6]], asked: f64) {
         let u = speed(self, velocity);
-        let yields = [u[0] - self.bent, u[1]].map(|u| u / self.compliance);
+        let yields = [u[0] - asked, u[1]].map(|u| u / self.compliance);
         let done = self.gained(yields);
         self.impulse = self.project([0, 1].map(|i| self.impulse[i] - done[i]));
         self.argument = [0, 1].map(|i| self.argument[i] - yields[i]);

@@ -96,6 +96,8 @@ pub(super) struct Room {
     pub(super) targets: Vec<[f64; 2]>,
     pub(super) asked: Vec<Vector>,
     pub(super) residual: Vec<Vector>,
+    /// Speed that the bend of a joint's way asks of each of its terms (m/s), by the numbers of these.
+    pub(super) bent: Vec<(u32, f64)>,
     /// λ of each link in an impact (N·s, N·m·s).
     pub(super) blows: Vec<Vector>,
 }

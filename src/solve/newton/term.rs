@@ -58,8 +58,6 @@ pub(crate) struct Term {
     pub hit: f64,
     /// By how much positions are to be pushed along its first row (m).
     pub push: f64,
-    /// Speed that the bend of its joint's way asks for (m/s).
-    pub bent: f64,
     /// Whether the argument is that of the last substep.
     pub is_known: bool,
 }
@@ -86,7 +84,6 @@ impl Term {
             restitution: 0.0,
             hit: 0.0,
             push: 0.0,
-            bent: 0.0,
             is_known: false,
         }
     }
