@@ -39,14 +39,11 @@ impl Freedom {
     /// Of a body with these inverse masses along the axes, 1 about free axes and 0 about locked ones, and these moments of inertia.
     pub(crate) fn new(inverse_mass: DVec3, about: DVec3, inertia: DVec3) -> Self {
         let along = DVec3::select(inverse_mass.cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
+        if along + about == DVec3::splat(2.0) {
+            return Self { along, about, size: 0.0 };
+        }
         let (ease, moment) = (inverse_mass.max_element(), inertia.max_element());
-        let size = if along + about == DVec3::splat(2.0) {
-            0.0
-        } else if ease > 0.0 {
-            (moment * ease).sqrt()
-        } else {
-            fifth_root(moment / DENSITY)
-        };
+        let size = if ease > 0.0 { (moment * ease).sqrt() } else { fifth_root(moment / DENSITY) };
         Self { along, about, size }
     }
 

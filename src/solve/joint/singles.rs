@@ -435,6 +435,15 @@ impl Singles {
 
 /// Along and about what the rows of a joint move its bodies, where both have locked axes.
 pub(super) fn locks_of(entry: &JointEntry, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<[Freedom; 2]> {
+    let is_whole = |slot: u32| {
+        let motion = &motions[slot as usize];
+        motion.is_dynamic()
+            && motion.free_rotation() == Vec3::ONE
+            && velocities[slot as usize].inverse_mass.cmpgt(Vec3::ZERO).all()
+    };
+    if is_whole(entry.a) || is_whole(entry.b) {
+        return None;
+    }
     let of = |slot: u32| match &motions[slot as usize] {
         motion if motion.is_dynamic() => {
             let inverse_mass = velocities[slot as usize].inverse_mass.as_dvec3();
