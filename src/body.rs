@@ -7,6 +7,7 @@ use crate::dwell_time::{DwellTime, Settling};
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{JointId, ShapeId};
 use crate::kinematic_path::KinematicPath;
+use crate::linalg::held_axes::held32;
 use crate::mass::{Mass, MassProperties};
 use crate::pose::Pose;
 use crate::shape::ShapeDef;
@@ -397,27 +398,21 @@ impl Body {
         self.mass.map_or(0.0, |mass| 1.0 / mass.mass)
     }
 
-    /// Inverse inertia tensor in world axes (1/(kg·m²)), locked axes taken out.
+    /// Inverse inertia tensor in world axes (1/(kg·m²)), locked axes held.
     pub(crate) fn world_inverse_inertia(&self) -> Mat3 {
         if self.is_free() { self.own_inverse_inertia() } else { Mat3::ZERO }
     }
 
-    /// Inverse inertia tensor that it has once nothing holds it: world axes (1/(kg·m²)), locked axes taken out.
+    /// Inverse inertia tensor that it has once nothing holds it: world axes (1/(kg·m²)), locked axes held.
     pub(crate) fn own_inverse_inertia(&self) -> Mat3 {
         match &self.mass {
             Some(mass) => {
                 let inverse = crate::shape::inertia_tensor(1.0 / mass.principal_inertia, self.rotation * mass.inertia_frame);
-                without_locked(inverse, self.settings.locked_axes.rotation)
+                held32(inverse, free_axes(self.settings.locked_axes.rotation))
             }
             _ => Mat3::ZERO,
         }
     }
-}
-
-/// Zeroes the rows and columns of the locked axes.
-pub(crate) fn without_locked(inverse: Mat3, locked: [bool; 3]) -> Mat3 {
-    let keep = free_axes(locked);
-    Mat3::from_cols(inverse.x_axis * keep * keep.x, inverse.y_axis * keep * keep.y, inverse.z_axis * keep * keep.z)
 }
 
 /// 1 along free axes, 0 along locked ones.

@@ -48,6 +48,7 @@ mod landings;
 mod large_rounds;
 mod leaning;
 mod locked_axes;
+mod locked_swings;
 mod logs;
 mod long_range;
 mod long_range_bounds;

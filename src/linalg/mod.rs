@@ -7,6 +7,7 @@
 //! | `factor.rs` | sparse Cholesky factor of a matrix in blocks, and substitution |
 //! | `border.rs` | a few dense rows beside such a factor, by a Schur complement |
 //! | `eigen.rs` | eigenvalues of a symmetric 3×3 matrix |
+//! | `held_axes.rs` | what answers where some axes are held |
 //! | `rotation32.rs` | rotations in `f32` by power series, and what is next to nothing |
 //! | `narrowing.rs` | writes `f64` results into `f32` state |
 
@@ -14,6 +15,7 @@ pub(crate) mod block;
 pub(crate) mod border;
 pub(crate) mod eigen;
 pub(crate) mod factor;
+pub(crate) mod held_axes;
 pub(crate) mod narrowing;
 #[cfg(test)]
 pub(crate) mod noise;

@@ -4,6 +4,7 @@ use glam::{Mat3, Quat, Vec3};
 
 use super::rotation::{self, MAX_TURN};
 use super::state::{BodyMotion, BodyVelocity, Constraints, MotionKind, Symmetric};
+use crate::linalg::held_axes::held32;
 use crate::linalg::rotation32::{NEGLIGIBLE_SPEED, quaternion_of, rotated, settled};
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, is_at_limit, is_beyond_limit};
 use crate::tuning::needles::NEEDLE;
@@ -215,9 +216,7 @@ fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32)
     let of_axes = Vec3::new(squares.y + squares.z, squares.z + squares.x, squares.x + squares.y);
     let inertia = motion.inertia.max(motion.inertia.max_element() * of_axes.min(Vec3::ONE));
     let tensor = crate::shape::inertia_tensor(1.0 / inertia, axes);
-    let free = motion.free_rotation();
-    let masked = Mat3::from_cols(tensor.x_axis * free * free.x, tensor.y_axis * free * free.y, tensor.z_axis * free * free.z);
-    velocity.inverse_inertia = Symmetric::from_mat3(masked);
+    velocity.inverse_inertia = Symmetric::from_mat3(held32(tensor, motion.free_rotation()));
     motion.turn_at_refresh = motion.turn;
 }
 

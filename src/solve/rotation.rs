@@ -23,6 +23,7 @@
 //! Where an axis is locked, L is not kept: the midpoint rule is taken if it gains no energy (see [`MAX_ENERGY_GAIN`]), else one
 //! implicit step of Euler's equations in the body frame (Catto 2015), which only loses energy.
 
+use crate::linalg::held_axes::held;
 use glam::{DMat3, DQuat, DVec3};
 
 /// Relative gain of rotational energy in one substep beyond which the midpoint rule is refused.
@@ -65,6 +66,17 @@ pub(crate) struct Top {
     pub free: DVec3,
     /// Whether all principal moments are equal.
     pub round: bool,
+}
+
+impl Top {
+    /// Angular velocity of an angular momentum with the principal axes so.
+    fn velocity_of(&self, axes: DQuat, momentum: DVec3) -> DVec3 {
+        if self.free == DVec3::ONE {
+            return axes * ((axes.conjugate() * momentum) / self.inertia);
+        }
+        let axes = DMat3::from_quat(axes);
+        held(axes * DMat3::from_diagonal(self.inertia.recip()) * axes.transpose(), self.free) * (momentum * self.free)
+    }
 }
 
 /// Rotation of a body through a substep.
@@ -189,7 +201,7 @@ fn about_axis(axis: usize, angle: f64) -> DQuat {
 fn midpoint(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> SubstepRotation {
     let frame = rotation * top.frame;
     let momentum = frame * (top.inertia * (frame.conjugate() * angular));
-    let velocity_in = |frame: DQuat| frame * ((frame.conjugate() * momentum) / top.inertia) * top.free;
+    let velocity_in = |frame: DQuat| top.velocity_of(frame, momentum);
 
     let pieces = if angular.length() * h > SPLIT_TUMBLE { 2 } else { 1 };
     let piece = h / f64::from(pieces);

@@ -13,6 +13,7 @@ use super::super::joint::locks::Freedom;
 use super::super::joint::rows::Rate;
 use super::super::rotation::{self, SubstepRotation, Top};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+use crate::linalg::held_axes::held;
 use crate::linalg::narrowing;
 use crate::step_history::{History, Twist};
 
@@ -111,7 +112,7 @@ impl DirectBody {
     /// What a push along a row is worth in its rate, r·M⁻¹ r, as if nothing but its mass held it back.
     pub(super) fn own_response(&self, linear: DVec3, angular: DVec3) -> f64 {
         let has_inertia = self.is_dynamic() && self.inertia != DMat3::ZERO;
-        let ease = if has_inertia { masked(self.inertia.inverse(), self.top.free) } else { self.inverse_inertia };
+        let ease = if has_inertia { held(self.inertia.inverse(), self.top.free) } else { self.inverse_inertia };
         (self.inverse_mass * linear).dot(linear) + (ease * angular).dot(angular)
     }
 
@@ -120,7 +121,7 @@ impl DirectBody {
         if !self.is_dynamic() {
             return BodyResponse::NONE;
         }
-        let inverse_inertia = masked(self.inertia_at(stance).inverse(), self.top.free);
+        let inverse_inertia = held(self.inertia_at(stance).inverse(), self.top.free);
         let acceleration = Rate { linear: self.acceleration, angular: inverse_inertia * self.torque };
         BodyResponse { inverse_mass: self.undamped, inverse_inertia, acceleration, center: DVec3::ZERO }
     }
@@ -149,7 +150,7 @@ impl DirectBody {
     /// Its angular velocity taken through the inertia that answers to impulses, (J + G) ω' = J ω with J = I (1 + h c), whose kinetic energy
     /// is no greater.
     pub(crate) fn damped(&self, stiffness: &DMat3, rate: &Rate, h: f64) -> DVec3 {
-        if !self.is_dynamic() || self.top.free != DVec3::ONE || *stiffness == DMat3::ZERO {
+        if !self.is_dynamic() || *stiffness == DMat3::ZERO {
             return rate.angular;
         }
         self.inverse_inertia * (self.inertia * rate.angular * self.weights(h)[1])
@@ -164,9 +165,9 @@ impl DirectBody {
         self.top.frame * DVec3::AXES[thinnest(moments)]
     }
 
-    /// Greatest radius of gyration (m); zero where it does not move along and about all axes.
+    /// Greatest radius of gyration (m); zero where it moves along no axis.
     pub(crate) fn gyration(&self) -> f64 {
-        self.free_mass().map_or(0.0, |mass| (self.top.inertia.max_element() / mass).sqrt())
+        self.mass().map_or(0.0, |mass| (self.top.inertia.max_element() / mass).sqrt())
     }
 
     /// How readily a force across `lever` turns the body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)), with I round.
@@ -205,7 +206,7 @@ impl DirectBody {
         history.momentum_before -= about * h;
         history.torque += about;
         if history.spin_turn == 0.0 {
-            let gained = masked(self.inertia_at(&(DVec3::ZERO, DQuat::IDENTITY)).inverse(), self.top.free) * about.as_dvec3();
+            let gained = held(self.inertia_at(&(DVec3::ZERO, DQuat::IDENTITY)).inverse(), self.top.free) * about.as_dvec3();
             history.turn -= gained.as_vec3() * (0.5 * h * h);
         }
         true
@@ -217,7 +218,7 @@ impl DirectBody {
             return;
         }
         if self.torque != DVec3::ZERO {
-            rate.angular += masked(self.inertia_at(stance).inverse(), self.top.free) * self.torque * h;
+            rate.angular += held(self.inertia_at(stance).inverse(), self.top.free) * self.torque * h;
         }
         rate.angular /= 1.0 + h * self.angular_damping;
         self.apply_linear_forces(rate, h);
@@ -253,9 +254,12 @@ impl DirectBody {
         stance.1 = rotation::rotated(stance.1, (change.angular * factor).clamp_length_max(MAX_PROJECTED_TURN));
     }
 
-    /// Kinetic energy less the work of the forces on the way from `start` (J); zero where it does not move freely.
+    /// Kinetic energy less the work of the forces on the way from `start` (J).
     pub(crate) fn energy(&self, stance: &LocalPose, rate: &Rate, start: &LocalPose) -> f64 {
-        let Some(mass) = self.free_mass() else { return 0.0 };
+        if !self.is_dynamic() {
+            return 0.0;
+        }
+        let mass = self.mass().unwrap_or(0.0);
         let local = if self.top.round { rate.angular } else { (stance.1 * self.top.frame).conjugate() * rate.angular };
         let kinetic = 0.5 * (mass * rate.linear.length_squared() + local.dot(self.top.inertia * local));
         let excess = kinetic - mass * self.acceleration.dot(stance.0 - start.0);
@@ -277,6 +281,12 @@ impl DirectBody {
     /// Acceleration by gravity and forces (m/s²).
     pub(crate) fn pull(&self) -> f64 {
         self.acceleration.length()
+    }
+
+    /// Mass with which it moves along those axes that are not locked (kg).
+    pub(crate) fn mass(&self) -> Option<f64> {
+        let ease = self.undamped.max_element();
+        (self.is_dynamic() && ease > 0.0).then(|| 1.0 / ease)
     }
 
     /// Mass of a body that moves freely (kg).
@@ -302,9 +312,4 @@ pub(super) fn thinnest(moments: &DVec3) -> usize {
 
 pub(super) fn is_slender(moments: &DVec3) -> bool {
     moments.max_element() > MAX_SHEAR * moments.min_element()
-}
-
-/// The matrix without the rows and columns of locked axes.
-fn masked(m: DMat3, free: DVec3) -> DMat3 {
-    DMat3::from_cols(m.x_axis * free * free.x, m.y_axis * free * free.y, m.z_axis * free * free.z)
 }

@@ -81,7 +81,7 @@ impl Articulation {
 
     /// Whether a substep of length `h` (s) has joints press on each other by far more than all its bodies could push.
     pub(super) fn is_jammed(&self, h: f64) -> bool {
-        let mass: f64 = self.bodies.iter().filter_map(|body| body.free_mass()).sum();
+        let mass: f64 = self.bodies.iter().filter_map(|body| body.mass()).sum();
         // What goes less far than rows are crooked presses nothing together.
         let speed = |(body, rate): (&DirectBody, &Rate)| {
             rate.linear.length() + body.acceleration.length() * h + CROOKED * body.gyration() / h

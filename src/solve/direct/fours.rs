@@ -290,9 +290,18 @@ impl<F: Four> Sym3x4<F> {
         Self { xx: self.xx + by, yy: self.yy + by, zz: self.zz + by, ..self }
     }
 
+    /// Inverse of the part of this matrix along the axes where `free` is 1, zero along those where it is 0.
+    #[inline(always)]
+    pub(super) fn held(self, free: Vec3x4<F>) -> Self {
+        let only = self.scaled(free);
+        let one = F::splat(1.0);
+        let (xx, yy, zz) = (only.xx + (one - free.x), only.yy + (one - free.y), only.zz + (one - free.z));
+        Self { xx, yy, zz, ..only }.inverse().scaled(free)
+    }
+
     /// B A B, with A this matrix and B the diagonal matrix of `by`.
     #[inline(always)]
-    pub(super) fn scaled(self, by: Vec3x4<F>) -> Self {
+    fn scaled(self, by: Vec3x4<F>) -> Self {
         Self {
             xx: self.xx * by.x * by.x,
             yy: self.yy * by.y * by.y,

@@ -236,7 +236,7 @@ impl Articulation {
             .map(|entry| f64::from(entry.impulses.point.length()) + distance_stiffness::pull(entry).abs())
             .sum::<f64>();
         let most = |(body, rate): (&DirectBody, &Rate)| {
-            let mass = body.free_mass()?;
+            let mass = body.mass()?;
             Some(0.5 * mass * (HARMLESS * rate.linear.length_squared()).max(HARMLESS_SPEED * HARMLESS_SPEED))
         };
         impulse * gap <= self.h * self.bodies.iter().zip(&self.rates).filter_map(most).sum::<f64>()

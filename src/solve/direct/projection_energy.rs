@@ -35,8 +35,7 @@ impl Articulation {
     /// Takes what the bodies have gained in a step, `gained` (J), out of their velocities, where it is no harmless share; says whether
     /// it has.
     pub(super) fn take_lift(&mut self, gained: f64) -> bool {
-        let harmless =
-            || 0.5 * HARMLESS_SPEED * HARMLESS_SPEED * self.bodies.iter().filter_map(|body| body.free_mass()).sum::<f64>();
+        let harmless = || 0.5 * HARMLESS_SPEED * HARMLESS_SPEED * self.bodies.iter().filter_map(|body| body.mass()).sum::<f64>();
         if gained <= 0.0 || self.outcome.safe == 0 || gained <= harmless() || !self.is_left_alone() {
             return false;
         }

@@ -200,7 +200,7 @@ impl Articulation {
         let next = spin(&self.local_poses, &self.rates);
         let ratio = self.order.ratio;
         let surprise = next - now - (now - history.momentum_before.as_dvec3()) * ratio;
-        let mass = own.free_mass().unwrap_or(f64::INFINITY);
+        let mass = own.mass().unwrap_or(f64::INFINITY);
         surprise.length() * 2.0 * ratio / ((1.0 + ratio) * self.h * self.h * mass * arm)
     }
 }

@@ -113,7 +113,7 @@ impl Articulation {
         self.passes_left -= passes.saturating_sub(FREE_PASSES).min(self.passes_left);
     }
 
-    /// Kinetic energy of all bodies that move freely (J).
+    /// Kinetic energy of all bodies (J).
     pub(super) fn kinetic_energy(&self) -> f64 {
         let bodies = self.bodies.iter().zip(&self.local_poses).zip(&self.rates);
         bodies.map(|((body, stance), rate)| body.energy(stance, rate, stance)).sum()
@@ -121,7 +121,7 @@ impl Articulation {
 
     /// Lets bodies turn with the forces that go around what they slide on: M̃⁻¹ G ω̂.
     fn turn_along(&mut self) {
-        for (i, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.free_mass().is_some()) {
+        for (i, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.is_dynamic()) {
             self.rates[i].angular += body.inverse_inertia * (self.stiffness[i] * self.turning[i]);
         }
     }
@@ -144,7 +144,7 @@ impl Articulation {
     pub(super) fn surprise(&mut self) -> LocalError {
         let (mut sum, mut total, mut worst) = (0.0, 0.0, 0.0_f64);
         for (i, body) in self.bodies.iter().enumerate() {
-            if let Some(mass) = body.free_mass() {
+            if let Some(mass) = body.mass() {
                 let (now, next) = (self.began.rates[i].linear, self.rates[i].linear);
                 let mut jerk = self.histories[i].note_jerk(now, next, &self.order, self.h, self.dt).length();
                 if self.has_springs {

@@ -157,12 +157,12 @@ impl Articulation {
         for (link, entry) in self.links.iter().zip(&self.entries) {
             for (side, &body) in link.bodies.iter().enumerate() {
                 let (own, angular) = (&self.bodies[body as usize], self.rates[body as usize].angular);
-                let Some(mass) = own.free_mass() else { continue };
+                let Some(mass) = own.mass() else { continue };
                 let lever = self.local_poses[body as usize].1 * entry.local_lever[side];
                 let square = own.top.inertia.max_element() / mass;
                 let in_place = BALANCED * BALANCED * square * angular.length_squared();
                 let speed = if angular.cross(lever).length_squared() > in_place { angular.length() } else { 0.0 };
-                let gained = lever.cross(own.acceleration).length() / (square + lever.length_squared()) * time;
+                let gained = (lever.cross(own.acceleration) * own.top.free).length() / (square + lever.length_squared()) * time;
                 greatest = greatest.max((speed + gained) * time);
             }
         }

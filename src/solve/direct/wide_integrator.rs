@@ -41,8 +41,8 @@ pub(super) struct Bodies4 {
     /// 1 about free world axes, 0 about locked ones; and along them.
     free: Vec3x4<Plain>,
     free_along: Vec3x4<Plain>,
-    /// 1 where no axis is locked, else 0.
-    unlocked: Plain,
+    /// Whether none of the four is kept from turning about an axis.
+    is_unlocked: bool,
     acceleration: Vec3x4<Plain>,
     torque: Vec3x4<Plain>,
     linear_damping: Plain,
@@ -76,7 +76,7 @@ impl Bodies4 {
             tumbling: Plain(bodies.map(|body| if body.top.round { 0.0 } else { 1.0 })),
             free: Vec3x4::of(bodies.map(|body| body.top.free)),
             free_along: Vec3x4::of(bodies.map(along)),
-            unlocked: Plain(bodies.map(|body| if body.top.free == DVec3::ONE { 1.0 } else { 0.0 })),
+            is_unlocked: bodies.iter().all(|body| body.top.free == DVec3::ONE),
             acceleration: Vec3x4::of(bodies.map(|body| body.acceleration)),
             torque: Vec3x4::of(bodies.map(|body| body.torque)),
             linear_damping: Plain(bodies.map(|body| body.linear_damping)),
@@ -118,7 +118,11 @@ impl Bodies4 {
     /// Angular velocity of an angular momentum about these principal axes.
     #[inline(always)]
     fn spin_of<F: Four>(&self, axes: Quatx4<F>, momentum: Vec3x4<F>) -> Vec3x4<F> {
-        axes.rotate(axes.conjugate().rotate(momentum) / Vec3x4::load(&self.inertia)) * Vec3x4::load(&self.free)
+        if self.is_unlocked {
+            return axes.rotate(axes.conjugate().rotate(momentum) / Vec3x4::load(&self.inertia));
+        }
+        let free = Vec3x4::load(&self.free);
+        axes.turn_diagonal(Vec3x4::load(&self.inertia)).held(free).times(momentum)
     }
 }
 
@@ -240,10 +244,9 @@ fn respond_body<F: Four>(bodies4: &[Bodies4], h: f64, local_poses: &[LocalPose],
         let inertia = quad.axes(rotation).turn_diagonal(Vec3x4::load(&quad.inertia));
         let forces = [&stiffness[quad.at(0)], &stiffness[quad.at(1)], &stiffness[quad.at(2)], &stiffness[quad.at(3)]];
         let forces = stiffness::without_negative(Sym3x4::of(forces));
-        // Bodies with locked axes answer without stiffness.
-        let share = F::load(&quad.unlocked.0);
         let damped = inertia.plus(inertia, F::splat(h) * F::load(&quad.angular_damping.0));
-        let inverse = damped.plus(forces, share).inverse().scaled(Vec3x4::load(&quad.free));
+        let whole = damped.plus(forces, F::splat(1.0));
+        let inverse = if quad.is_unlocked { whole.inverse() } else { whole.held(Vec3x4::load(&quad.free)) };
         let (inertia, inverse) = (inertia.each(), inverse.each());
         for j in 0..quad.count {
             let body = &mut bodies[quad.at(j)];

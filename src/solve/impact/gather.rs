@@ -9,6 +9,7 @@ use super::super::contact::{LANES, POINTS, tangents};
 use super::super::contact_block::ContactBlocks;
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use super::{Impact, ImpactBody, ImpactManifold, ImpactPoint};
+use crate::linalg::held_axes::held;
 use crate::tight_vec::resize;
 
 /// Share of a spin's energy that is rounding.
@@ -323,8 +324,8 @@ impl ImpactBody {
         let inverse_inertia = match motion.kind {
             MotionKind::Tumbling => {
                 let axes = DMat3::from_quat((motion.rotation * motion.inertia_frame).as_dquat().normalize());
-                let free = DMat3::from_diagonal(motion.free_rotation().as_dvec3());
-                free * axes * DMat3::from_diagonal(motion.inertia.as_dvec3().recip()) * axes.transpose() * free
+                let answer = axes * DMat3::from_diagonal(motion.inertia.as_dvec3().recip()) * axes.transpose();
+                held(answer, motion.free_rotation().as_dvec3())
             }
             _ => Symmetric::to_mat3(velocity.inverse_inertia).as_dmat3(),
         };

@@ -12,7 +12,6 @@ use super::outline::{JointOutline, Outline};
 use super::passes::{Effort, MAX_FACTORS};
 use super::patch::Patch;
 use super::problem::{BodyMass, Problem, Stiff};
-use super::stiffness::{positive_part, unresolved};
 use super::term::FIXED;
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint_record::Joint;
@@ -309,6 +308,7 @@ impl CoupledIsland {
         for patch in patches {
             patch.add_terms(patch.bodies.map(|body| moved[body]), (local_poses, began, rates), h, &mut problem.terms);
         }
+        self.problem.invert_masses();
         self.mask();
         self.find_stiffness(h);
         self.problem.begin();
@@ -335,6 +335,7 @@ impl CoupledIsland {
     fn find_stiffness(&mut self, h: f64) {
         let Self {
             problem,
+            is_looped,
             held: JointSet { entries, ends, rows, sources, .. },
             moved,
             torques,
@@ -381,9 +382,13 @@ impl CoupledIsland {
                 let axis = (rows.gap / length).any_orthonormal_pair();
                 for across in [axis.0, axis.1] {
                     let jacobian = [0, 1].map(|side| super::patch::row(side, across, rows.levers[side]));
-                    problem.stiff.push(Stiff { bodies, jacobian, gain: h * pull / length, steady: None });
+                    let gain = h * pull / length;
+                    problem.stiff.push(Stiff { bodies, jacobian, gain, steady: None });
                 }
             }
+        }
+        if !*is_looped {
+            problem.leave_resolved_lines();
         }
         steady.clear();
         steady.resize(problem.masses.len(), (DVec3::ZERO, 0.0));
@@ -402,13 +407,9 @@ impl CoupledIsland {
         for (mass, (turns, pressed)) in problem.masses.iter_mut().zip(&*steady) {
             mass.steady = if *pressed > 0.0 { (*turns / *pressed).to_array() } else { [0.0; 3] };
         }
-        for (mass, torque) in problem.masses.iter_mut().zip(&*torques) {
-            mass.stiffness = if *torque == DMat3::ZERO {
-                [[0.0; 3]; 3]
-            } else {
-                unresolved(positive_part(*torque), DMat3::from_cols_array_2d(&mass.angular)).to_cols_array_2d()
-            };
-        }
+        problem.hold_axes(own.iter().filter(|body| body.is_dynamic()).map(DirectBody::free_axes), torques);
+        problem.find_pivots(rows, *is_looped);
+        problem.leave_unresolved(torques);
     }
 
     /// Solves the substep; once more where what it has found makes bodies much stiffer or softer.

@@ -16,12 +16,7 @@ pub(super) fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass
     if turning == DVec3::ONE {
         return BodyMass { linear, angular: inertia.to_cols_array_2d(), ..BodyMass::default() };
     }
-    let answer = inertia.inverse();
-    let masked = DMat3::from_cols(
-        answer.x_axis * turning * turning.x,
-        answer.y_axis * turning * turning.y,
-        answer.z_axis * turning * turning.z,
-    );
-    let angular = (masked + DMat3::from_diagonal(DVec3::ONE - turning)).inverse();
+    let only = DMat3::from_diagonal(turning);
+    let angular = only * inertia * only + DMat3::from_diagonal(DVec3::ONE - turning);
     BodyMass { linear, angular: angular.to_cols_array_2d(), ..BodyMass::default() }
 }

@@ -8,7 +8,7 @@
 //! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the
 //! engine; `positions` is what they do for errors of positions, `overruled` where rows contradict one another, and `self_stress` for forces that
 //! hold one another. `servos` says what servos move. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
-//! `stiffness` says how forces turn, `island` takes the step, `budget` bounds its work, `soundness` judges it, `rebound` what hits in it,
+//! `stiffness` says how forces turn, `stiff_lines` and `pivots` what of that a substep resolves, `island` takes the step, `budget` bounds its work, `soundness` judges it, `rebound` what hits in it,
 //! and `gaps` closes what it leaves open. Which islands are solved here is said by [`plan`](crate::solve::plan).
 
 #![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
@@ -44,6 +44,7 @@ mod overruled;
 mod passes;
 mod patch;
 mod phase;
+mod pivots;
 mod positions;
 mod problem;
 mod rebound;
@@ -51,6 +52,7 @@ mod refine;
 mod self_stress;
 mod servos;
 mod soundness;
+mod stiff_lines;
 mod stiffness;
 mod term;
 #[cfg(test)]

@@ -12,7 +12,7 @@
 
 use super::elimination::Elimination;
 use super::factor::{Factor, Vector, dot};
-use super::term::{FIXED, Term};
+use super::term::{FIXED, Law, Term};
 
 /// ε over J M⁻¹ Jᵀ. From 1e-7 to 1e-9 nothing changes; at 1e-5 a scissor lift sinks by 50 mm, at 1e-11 redundant rows make
 /// noise of metres a second.
@@ -84,6 +84,11 @@ pub(crate) struct Stiff {
 pub(super) struct Room {
     pub(super) gradient: Vec<Vector>,
     pub(super) product: Vec<Vector>,
+    /// How far lines pull each body across themselves within a substep, over its way.
+    pub(super) pulled: Vec<f64>,
+    /// Joints that hold points of each body, and the inertia that these add to it.
+    pub(super) joints_of: Vec<f64>,
+    pub(super) pivots: Vec<glam::DMat3>,
     pub(super) step_speeds: Vec<[f64; 2]>,
     pub(super) saved_velocity: Vec<Vector>,
     pub(super) saved_terms: Vec<Term>,
@@ -139,11 +144,15 @@ impl Problem {
         self.stiff.clear();
     }
 
+    /// Takes the inverse of each body's inertia, once all masses are known.
+    pub(crate) fn invert_masses(&mut self) {
+        self.inverses.clear();
+        self.inverses.extend(self.masses.iter().map(|mass| glam::DMat3::from_cols_array_2d(&mass.angular).inverse()));
+    }
+
     /// Prepares the first solve: J M⁻¹ Jᵀ of each row, from which ε follows, and the right-hand side.
     pub(crate) fn begin(&mut self) {
         let Self { links, terms, masses, inverses, .. } = self;
-        inverses.clear();
-        inverses.extend(masses.iter().map(|mass| glam::DMat3::from_cols_array_2d(&mass.angular).inverse()));
         let inverses = Inverses { masses, angular: inverses };
         for link in links.iter_mut() {
             for row in 0..link.rows {
@@ -154,9 +163,28 @@ impl Problem {
         for term in terms.iter_mut() {
             let rows = term.rows;
             let own = |side: usize| (0..rows).map(|row| inverses.ease(term.bodies[side], &term.jacobian[side][row])).sum::<f64>();
-            term.ease = ((own(0) + own(1)) / rows as f64).max(f64::MIN_POSITIVE);
+            term.ease = (own(0) + own(1)) / rows as f64;
+            if term.ease < f64::MIN_POSITIVE {
+                // Locked axes leave it nothing to move, as friction against spin between bodies that never turn.
+                (term.rows, term.law, term.ease) = (1, Law::Between(0.0, 0.0), 1.0);
+            }
         }
         self.find_drive();
+    }
+
+    /// Takes the locked axes out of what is stiff: `free` is 1 along and about those of each body that are free, and 0 else, and `torques` is its
+    /// stiffness against rotation.
+    pub(crate) fn hold_axes(&mut self, free: impl Iterator<Item = [f64; 6]>, torques: &mut [glam::DMat3]) {
+        for (number, free) in (0..).zip(free).filter(|(_, free)| *free != [1.0; 6]) {
+            let about = glam::DMat3::from_diagonal(glam::DVec3::new(free[3], free[4], free[5]));
+            let torque = &mut torques[number as usize];
+            *torque = about * *torque * about;
+            for stiff in &mut self.stiff {
+                for side in (0..2).filter(|&side| stiff.bodies[side] == number) {
+                    stiff.jacobian[side].iter_mut().zip(free).for_each(|(entry, free)| *entry *= free);
+                }
+            }
+        }
     }
 
     /// Makes the impulses just found the expected ones λ̄ of the next solve; a term that gives has none.

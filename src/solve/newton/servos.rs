@@ -61,6 +61,7 @@ impl Problem {
     /// Factorises the rows of joints with their servos, the terms of these numbers, which have just been built for a substep of length `h` (s), and
     /// finds the forces on all bodies.
     pub(super) fn try_servos(&mut self, servos: impl Iterator<Item = usize>, h: f64) {
+        self.invert_masses();
         self.begin();
         self.terms.iter_mut().for_each(|term| (term.gain, term.compliance) = ([0.0; 2], 1.0));
         for number in servos {

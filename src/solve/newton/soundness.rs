@@ -38,8 +38,8 @@ impl CoupledIsland {
 
     /// Whether the step has come to an end, without a gain of energy that nothing has given, and without rows that contradict one another.
     pub(super) fn is_sound(&self) -> bool {
-        let free = self.bodies.iter().filter_map(|body| Some((body.free_mass()?, body.pull())));
-        let unseen: f64 = free.map(|(mass, pull)| mass * (LIFT * pull + 0.5 * STANDING * STANDING)).sum();
+        let moving = self.bodies.iter().filter_map(|body| Some((body.mass()?, body.pull())));
+        let unseen: f64 = moving.map(|(mass, pull)| mass * (LIFT * pull + 0.5 * STANDING * STANDING)).sum();
         let lifted = self.outcome.lifted.max(0.0) + unseen;
         let allowed = self.outcome.driven + lifted + ROUNDING * self.outcome.kinetic;
         // Written so that what is no number is not.

@@ -64,6 +64,7 @@ fn find_structure(problem: &mut Problem) {
 
 fn solve(problem: &mut Problem) -> u32 {
     find_structure(problem);
+    problem.invert_masses();
     problem.begin();
     let effort = problem.solve(12);
     assert!(!effort.is_capped, "{effort:?}");
@@ -197,6 +198,7 @@ fn out_of_budget_the_state_stays_bounded() {
             stand(&mut problem, below, above, 0.5, [0.0; 4]);
         }
         find_structure(&mut problem);
+        problem.invert_masses();
         problem.begin();
         problem.solve(budget);
         let energy = |v: &[Vector]| -> f64 {
@@ -256,6 +258,7 @@ fn a_net_whose_knots_hold_four_rods_is_stopped_by_its_joints_and_gains_nothing()
     for cells in [2, 3, 6] {
         let mut problem = net(cells);
         find_structure(&mut problem);
+        problem.invert_masses();
         problem.begin();
         let energy = |problem: &Problem, of: &[Vector]| {
             let mut product = Vec::new();
