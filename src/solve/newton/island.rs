@@ -209,11 +209,11 @@ impl CoupledIsland {
             }
             *budget = budget.saturating_sub(effort.factors);
             self.outcome.effort.add(effort);
-            self.outcome.driven += self.drive_work();
             self.outcome.strain = self.outcome.strain.max(self.problem.strain());
             if !effort.is_capped {
                 self.follow_bends(h);
             }
+            self.outcome.driven += self.drive_work();
             let passed = if substep + 1 == settings.substeps { f64::from(settings.dt) } else { 0.0 };
             self.problem.relax(if effort.is_capped { f64::INFINITY } else { passed }, self.held.sources.len());
             self.held.keep_impulses(&self.problem);
@@ -245,7 +245,7 @@ impl CoupledIsland {
         self.patches.iter_mut().for_each(|patch| patch.scale_impulses(f64::from(share)));
     }
 
-    /// Most that motors, springs and bodies which rows do not move may have done in this substep (J).
+    /// Most that motors, springs and bodies which rows do not move may have done in this substep (J), with what they do as bodies follow a bend.
     fn drive_work(&self) -> f64 {
         let Problem { links, terms, velocity, .. } = &self.problem;
         let is_moved = |ends: &[usize; 2]| {
