@@ -7,9 +7,10 @@
 //! [ J_j                      −ε  ] [ −λ ] = [ −b − J_j v + ε λ̄           ]
 //! ```
 //!
-//! * The first step takes each y where the last substep left it, not at v: what stands or slides as it did needs no second one.
+//! * The first step of a pass takes each y where the last pass left it, or the last substep, not at v: what stands or slides as it did needs no
+//!   second one. At v, what has lost more than half of its load since the last λ̄ would count as open.
 //! * Later steps go as far along d as the objective falls, found on its derivative.
-//! * A step is the last where the true P and its linear model agree; then λ̄ ← λ, ρ ← μ λ_n, R by its rule, and once more until λ̄ and ρ
+//! * A step is the last where the true P and its linear model agree; then λ̄ ← λ, ρ ← μ λ_n (by secants where that swings), R by its rule, and once more until λ̄ and ρ
 //!   stay what they are.
 //!
 //! What does not come to an end within the budget is settled by a few iterations of ADMM from the carried impulses
@@ -73,6 +74,13 @@ impl Term {
         let size = self.size();
         let by_load = if size > 0.0 { YIELD / size } else { f64::INFINITY };
         self.compliance = (COMPLIANCE * self.ease).min(by_load).max(MIN_COMPLIANCE * self.ease);
+    }
+
+    /// Takes another compliance. What is at a bound is as far beyond it as its compliance says.
+    fn change_compliance(&mut self, compliance: f64) {
+        let (y, p, scale) = (self.argument, self.impulse, self.compliance / compliance);
+        self.argument = [0, 1].map(|i| p[i] + (y[i] - p[i]) * scale);
+        self.compliance = compliance;
     }
 
     /// Whether nothing tells that it has pressed, although it is going to; `free` is its speed without any push.
@@ -146,11 +154,8 @@ impl Problem {
                 (term.argument, term.compliance, term.expected) = (warm.argument, warm.compliance, warm.expected);
                 continue;
             }
-            // What slides is as far beyond its bound as its compliance says.
-            let (y, p) = (term.argument, term.impulse);
-            let scale = term.compliance / warm.compliance;
-            term.argument = [0, 1].map(|i| p[i] + (y[i] - p[i]) * scale);
-            (term.compliance, term.expected, term.radius) = (warm.compliance, warm.expected, term.radius);
+            term.change_compliance(warm.compliance);
+            term.expected = warm.expected;
         }
     }
 
@@ -162,7 +167,7 @@ impl Problem {
         let mut has_saved = false;
         for pass in 0..OUTER_PASSES {
             let mut is_found = false;
-            let mut is_first = pass == 0;
+            let mut is_first = true;
             while effort.factors < budget {
                 self.linearize(is_first);
                 self.find_step();
@@ -292,6 +297,11 @@ impl Problem {
             term.argument = term.argument_at(term.speed);
             term.impulse = term.project(term.argument);
         }
+        if pass == 0 {
+            self.room.bounds.clear();
+            self.room.bounds.reserve(self.terms.capacity());
+            self.room.bounds.resize(self.terms.len(), [0.0; 2]);
+        }
         let most = BOUND_CHANGE[pass.min(1)];
         let mut is_settled = true;
         for number in 0..self.terms.len() {
@@ -302,7 +312,8 @@ impl Problem {
                 let greater = radius.max(term.radius);
                 let changed = (radius - term.radius).abs() > most * greater && greater * term.ease > SETTLED;
                 is_settled &= !(matters && changed);
-                term.radius = radius;
+                let last = std::mem::replace(&mut self.room.bounds[number], [term.radius, radius]);
+                term.radius = if pass == 0 { radius } else { next_bound(last, [term.radius, radius]) };
             }
         }
         for term in &mut self.terms {
@@ -312,7 +323,12 @@ impl Problem {
         }
         if !is_settled {
             // Positions are corrected with the factor of the last pass, whose compliances these are.
-            self.terms.iter_mut().for_each(Term::choose_compliance);
+            for term in &mut self.terms {
+                let before = term.compliance;
+                term.choose_compliance();
+                let chosen = std::mem::replace(&mut term.compliance, before);
+                term.change_compliance(chosen);
+            }
         }
         is_settled
     }
@@ -351,6 +367,14 @@ impl Problem {
         }
         self.is_stale = true;
     }
+}
+
+/// Bound of friction for the next pass, of those of the last two, each with what has been found to press with it. Where a greater bound lets less
+/// press, as between bodies that are wedged, passes would go to and fro between two bounds for ever: the next is where both would meet if
+/// that went on in proportion (the secant method). Else it is what has been found.
+fn next_bound([before, found_before]: [f64; 2], [bound, found]: [f64; 2]) -> f64 {
+    let slope = (found - found_before) / (bound - before);
+    if slope < 0.0 { bound + (found - bound) / (1.0 - slope) } else { found }
 }
 
 /// The zero of a function that rises, between 0 and 1, where it is `low` < 0 and `high` > 0: regula falsi as Illinois has it, with a halving

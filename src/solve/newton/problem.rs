@@ -98,6 +98,8 @@ pub(super) struct Room {
     pub(super) first_terms: Vec<Term>,
     pub(super) first_impulses: Vec<Vector>,
     pub(super) carried: Vec<Vector>,
+    /// Of each term that leans on others, the bound of the last pass, and what has been found to press with it.
+    pub(super) bounds: Vec<[f64; 2]>,
     pub(super) targets: Vec<[f64; 2]>,
     pub(super) asked: Vec<Vector>,
     pub(super) residual: Vec<Vector>,

@@ -272,3 +272,28 @@ fn a_net_whose_knots_hold_four_rods_is_stopped_by_its_joints_and_gains_nothing()
         assert!(after <= before, "{cells} cells: {after} J after the joints have stopped {before} J");
     }
 }
+
+/// A body slides on a point in front of its centre of mass, by which friction lifts it off: of what presses, p/(w + c μ) is left, w and c being how the
+/// point answers to a normal impulse along the normal and along the way. Bounds taken from the pass before go to and fro there: from μ = 1.7 on
+/// between all and nothing, and friction was twice as great as it may be.
+#[test]
+fn friction_that_lifts_what_presses_it_ends_where_both_agree() {
+    for friction in [1.0, 1.5, 1.8, 3.0] {
+        let (mut problem, speed) = (Problem::default(), [-5.0, -0.5, 0.0, 0.0, 0.0, 0.0]);
+        add_cube(&mut problem, 1.0, speed, speed);
+        let point = [0.25, -0.25, 0.0];
+        let mut normal = Term::new([FIXED, 0], 1, Law::Between(0.0, f64::INFINITY));
+        normal.jacobian[1][0] = row(AXES[1], point, 1.0);
+        let mut across = Term::new([FIXED, 0], 2, Law::Leaning { first: 0, count: 1, share: friction });
+        across.jacobian[1] = [AXES[0], AXES[2]].map(|axis| row(axis, point, 1.0));
+        problem.terms.extend([normal, across]);
+        solve(&mut problem);
+        let lever = 0.25 * 0.25 * 24.0;
+        let presses = 0.5 / (1.0 + lever + lever * friction);
+        let found = [problem.terms[0].impulse[0], problem.terms[1].impulse[0] / friction];
+        assert!(
+            found.iter().all(|found| (found / presses - 1.0).abs() < 0.05),
+            "friction {friction}: {found:?} for {presses} N·s"
+        );
+    }
+}
