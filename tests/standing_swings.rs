@@ -1,7 +1,7 @@
 //! What swings on a body that only stands on the floor keeps its energy as what swings on something fixed does.
 
 use longspan::glam::{DVec3, Quat, Vec3};
-use longspan::{BodyDef, BodyId, JointDef, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, World, WorldDef};
+use longspan::{BodyDef, BodyId, JointDef, JointKind, Limits, LockedAxes, Mass, Motor, Pose, Shape, ShapeDef, World, WorldDef};
 
 const GRAVITY: f64 = 9.81;
 
@@ -176,6 +176,33 @@ fn what_swings_on_a_line_from_a_standing_block_keeps_its_energy() {
                 let kept = bob_on_a_line(size, is_rope).kept(rate, 10.0);
                 println!("rope {is_rope}, {size} m at {rate} Hz: {kept:.4} of the energy is left");
                 assert!((least..1.01).contains(&kept), "rope {is_rope}, {size} m at {rate} Hz: {kept} of the energy is left");
+            }
+        }
+    }
+}
+
+/// What a body weighs along an axis along which nothing can move it is nothing to it: taken as a kilogram, a bob of ten on a rod of 10 cm kept 0.51
+/// at 30 steps a second for 0.88.
+#[test]
+fn what_is_locked_in_the_plane_of_its_swing_keeps_as_much() {
+    let planar = LockedAxes { translation: [false, false, true], rotation: [true, true, false] };
+    for rate in [30.0, 60.0, 240.0] {
+        for size in [0.1, 1.0] {
+            let kept = |is_line: bool, locks: LockedAxes| {
+                let mut scene = if is_line { bob_on_a_line(size, false) } else { bob(size, JointKind::HINGE) };
+                let bob = *scene.bodies.last().unwrap();
+                scene.world.set_mass(bob, Mass::Total(10.0)).unwrap();
+                scene.world.set_locked_axes(bob, locks).unwrap();
+                scene.least += 9.0 * GRAVITY * 3.0 * size;
+                scene.kept(rate, 10.0)
+            };
+            for is_line in [false, true] {
+                let [free, locked] = [LockedAxes::default(), planar].map(|locks| kept(is_line, locks));
+                println!("line {is_line}, {size} m at {rate} Hz: {locked:.4} of the energy is left, {free:.4} without locks");
+                assert!(
+                    (locked - free).abs() < 0.02,
+                    "line {is_line}, {size} m at {rate} Hz: {locked} is left, {free} without locks"
+                );
             }
         }
     }

@@ -10,7 +10,9 @@ use crate::solve::joint::LocalPose;
 pub(super) fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
     let free = body.free_axes();
     let inverse = body.inverse_mass.to_array();
-    let linear = std::array::from_fn(|i| if free[i] == 0.0 { 1.0 } else { 1.0 / inverse[i] });
+    // Locked axes have the mass of those that are not: nothing moves along them, but how light a body is at its lightest is asked.
+    let own = body.mass().unwrap_or(1.0);
+    let linear = std::array::from_fn(|i| if free[i] == 0.0 { own } else { 1.0 / inverse[i] });
     let inertia = body.inertia_at(stance) * body.weights(h)[1];
     let turning = DVec3::new(free[3], free[4], free[5]);
     if turning == DVec3::ONE {

@@ -19,18 +19,18 @@ impl Problem {
     pub(super) fn find_pivots(&mut self, rows: &[JointAssembly], is_looped: bool) {
         let Self { links, masses, inverses, room, .. } = self;
         let inverses = Inverses { masses, angular: inverses };
-        room.joints_of.clear();
-        room.joints_of.resize(masses.len(), 0.0);
+        room.sums.clear();
+        room.sums.resize(masses.len(), 0.0);
         let holding = || links.iter().zip(rows).filter(|(_, rows)| rows.holds_points && !is_looped);
         for body in holding().flat_map(|(link, _)| link.bodies).filter(|&body| body != FIXED) {
-            room.joints_of[body as usize] += 1.0;
+            room.sums[body as usize] += 1.0;
         }
         room.pivots.clear();
         room.pivots.resize(masses.len(), DMat3::ZERO);
         for (link, rows) in holding() {
             for side in (0..2).filter(|&side| link.bodies[side] != FIXED) {
                 let [own, other] = [link.bodies[side], link.bodies[1 - side]];
-                let joints = |body: u32| if body == FIXED { 0.0 } else { room.joints_of[body as usize] };
+                let joints = |body: u32| if body == FIXED { 0.0 } else { room.sums[body as usize] };
                 let [lever, far] = [rows.levers[side], rows.levers[1 - side]];
                 let ease = joints(own) / inverses.mass(own) + (joints(other) + 1.0) * inverses.most_ease(other, far);
                 let outer = DMat3::from_cols(lever * lever.x, lever * lever.y, lever * lever.z);

@@ -84,11 +84,12 @@ pub(crate) struct Stiff {
 pub(super) struct Room {
     pub(super) gradient: Vec<Vector>,
     pub(super) product: Vec<Vector>,
-    /// How far lines pull each body across themselves within a substep, over its way.
-    pub(super) pulled: Vec<f64>,
-    /// Joints that hold points of each body, and the inertia that these add to it.
-    pub(super) joints_of: Vec<f64>,
+    /// A sum over the lines, or the joints, of each body.
+    pub(super) sums: Vec<f64>,
+    /// The inertia that joints which hold points add to each body.
     pub(super) pivots: Vec<glam::DMat3>,
+    /// 1 along and about the free axes of each body, 0 along and about locked ones.
+    pub(super) axes: Vec<[f64; 6]>,
     pub(super) step_speeds: Vec<[f64; 2]>,
     pub(super) saved_velocity: Vec<Vector>,
     pub(super) saved_terms: Vec<Term>,
@@ -177,14 +178,20 @@ impl Problem {
     /// Takes the locked axes out of what is stiff: `free` is 1 along and about those of each body that are free, and 0 else, and `torques` is its
     /// stiffness against rotation.
     pub(crate) fn hold_axes(&mut self, free: impl Iterator<Item = [f64; 6]>, torques: &mut [glam::DMat3]) {
-        for (number, free) in (0..).zip(free).filter(|(_, free)| *free != [1.0; 6]) {
+        let axes = &mut self.room.axes;
+        axes.clear();
+        axes.extend(free);
+        if axes.iter().all(|free| *free == [1.0; 6]) {
+            return;
+        }
+        for (torque, free) in torques.iter_mut().zip(&*axes) {
             let about = glam::DMat3::from_diagonal(glam::DVec3::new(free[3], free[4], free[5]));
-            let torque = &mut torques[number as usize];
             *torque = about * *torque * about;
-            for stiff in &mut self.stiff {
-                for side in (0..2).filter(|&side| stiff.bodies[side] == number) {
-                    stiff.jacobian[side].iter_mut().zip(free).for_each(|(entry, free)| *entry *= free);
-                }
+        }
+        for stiff in &mut self.stiff {
+            for side in (0..2).filter(|&side| stiff.bodies[side] != FIXED) {
+                let free = &axes[stiff.bodies[side] as usize];
+                stiff.jacobian[side].iter_mut().zip(free).for_each(|(entry, free)| *entry *= free);
             }
         }
     }

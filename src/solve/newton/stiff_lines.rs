@@ -18,7 +18,7 @@ impl Problem {
     pub(super) fn leave_resolved_lines(&mut self) {
         let Self { stiff, masses, inverses, room, .. } = self;
         let inverses = Inverses { masses, angular: inverses };
-        let sums = &mut room.pulled;
+        let sums = &mut room.sums;
         sums.clear();
         sums.resize(masses.len(), 0.0);
         for line in stiff.chunks_exact(2) {
