@@ -10,6 +10,18 @@ use crate::joint_rebounds::Rebounds;
 /// Most scalar rows of one joint: six axes, each with a lower stop, an upper stop, a motor and friction.
 pub(crate) const MAX_SCALAR_ROWS: usize = 24;
 
+/// Most that a joint is said to bear (N, N·m), so that lengths and means of loads are finite too: the weight of 10¹⁷ kg.
+const MAX_LOAD: f32 = 1.0e18;
+
+/// A load that has been found (N, N·m) as it is told: none if the solve has found none, and at most [`MAX_LOAD`] an axis.
+pub(crate) fn told_load(force: Vec3, torque: Vec3) -> (Vec3, Vec3) {
+    if !force.is_finite() || !torque.is_finite() {
+        return (Vec3::ZERO, Vec3::ZERO);
+    }
+    let told = |load: Vec3| load * (MAX_LOAD / load.abs().max_element().max(MAX_LOAD));
+    (told(force), told(torque))
+}
+
 /// Multipliers of a joint's rows at the end of a substep, to start the next one from (N·s, N·m·s).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct JointImpulses {
@@ -138,5 +150,20 @@ impl Joint {
     /// How fast its stops and frames move in this step, if at all.
     pub(crate) fn drive(&self) -> Option<&DriveRates> {
         self.drive.as_ref().map(|drive| &drive.solved)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loads_that_are_told_have_a_length() {
+        let usual = (Vec3::new(1.0e9, -2.5, 0.0), Vec3::new(-3.0, 0.125, 1.0e17));
+        assert_eq!(told_load(usual.0, usual.1), usual);
+        let (force, torque) = told_load(Vec3::new(-1.4e21, 7.0e20, 0.0), Vec3::new(0.0, f32::MAX, 1.0));
+        assert!(force.length().is_finite() && torque.length().is_finite());
+        assert!((force.normalize() - Vec3::new(-2.0, 1.0, 0.0).normalize()).length() < 1.0e-6);
+        assert_eq!(told_load(Vec3::new(f32::INFINITY, 0.0, 0.0), Vec3::ONE), (Vec3::ZERO, Vec3::ZERO));
     }
 }

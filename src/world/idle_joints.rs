@@ -13,7 +13,7 @@
 use glam::{DVec3, Vec3};
 
 use super::World;
-use crate::joint_record::Joint;
+use crate::joint_record::{Joint, told_load};
 use crate::solve::joint::angles;
 use crate::solve::joint::body_response::{BodyResponse, MotorAnswers};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
@@ -107,7 +107,8 @@ fn load_at(joint: &Joint, placement: &Placement, rates: [Rate; 2], h: f64) -> Id
             motors[axis] += (impulse / h) as f32;
         }
     }
-    IdleLoad { force: (force / h).as_vec3(), torque: (torque / h).as_vec3(), motors }
+    let (force, torque) = told_load((force / h).as_vec3(), (torque / h).as_vec3());
+    IdleLoad { force, torque, motors }
 }
 
 /// Impulse of a block that gives, at this rate; what is left of its speed is rounding up to `slack`.

@@ -19,6 +19,7 @@ use crate::fracture::Strength;
 use crate::joint::JointDef;
 use crate::joint_graph::union::loads::{BondStiffness, UnionBond, UnionMember, Wrench};
 use crate::joint_graph::union::{UnionMotion, inertia_of};
+use crate::joint_record::told_load;
 use crate::report::JointOverload;
 use crate::solve::contact::ContactImpulses;
 use crate::solve::joint::kinds::is_distance;
@@ -48,10 +49,7 @@ impl World {
             let fixed_links = union.fixed_links.clone();
             for (&slot, load) in fixed_links.iter().zip(&loads) {
                 let joint = &mut self.joints[slot];
-                (joint.force, joint.torque) = (load.force.as_vec3(), load.torque.as_vec3());
-                if !joint.force.is_finite() || !joint.torque.is_finite() {
-                    (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
-                }
+                (joint.force, joint.torque) = told_load(load.force.as_vec3(), load.torque.as_vec3());
             }
         }
     }
@@ -106,7 +104,7 @@ impl World {
             self.loads_of(union, &union.motion, &contacts, self.last.dt)
         });
         let load = loads.get(number)?;
-        Some((load.force.as_vec3(), load.torque.as_vec3()))
+        Some(told_load(load.force.as_vec3(), load.torque.as_vec3()))
     }
 
     /// What batches tallied, sorted.

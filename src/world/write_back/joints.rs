@@ -1,9 +1,7 @@
 //! Writes loads and multipliers of joints back, on all threads where there are many: each joint has one entry.
 
-use glam::Vec3;
-
 use crate::id::{JointId, Pool, Slot};
-use crate::joint_record::Joint;
+use crate::joint_record::{Joint, told_load};
 use crate::report::{Events, JointOverload, JointStop};
 use crate::solve::batch::Batch;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
@@ -45,14 +43,11 @@ impl World {
     pub(in crate::world) fn read_row_loads(&mut self, dt: f32) {
         let Self { batches: Batches { list: batches, count: batch_count, .. }, joints, scratch, threads, .. } = self;
         let write = |entry: &JointEntry, joint: &mut Joint| {
-            (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
+            (joint.force, joint.torque) = told_load(entry.linear_sum / dt, entry.angular_sum / dt);
             if entry.traits.has_motor || joint.motors != [0.0; 6] {
                 let before = joint.motors;
                 joint.motors = entry.motors.sums.map(|impulse| if impulse.is_finite() { impulse / dt } else { 0.0 });
                 joint.straining = straining(&before, &joint.motors, dt);
-            }
-            if !joint.force.is_finite() || !joint.torque.is_finite() {
-                (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
             }
         };
         if !scratch.runs.is_empty() {
