@@ -22,6 +22,7 @@ mod direct;
 mod drawn_past_walls;
 mod driven_into;
 mod edits_after_restore;
+mod elastic_bars;
 mod events;
 mod falling;
 mod far_origin;

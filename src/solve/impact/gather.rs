@@ -7,10 +7,12 @@ use glam::{DMat3, DVec2, DVec3, Quat, Vec3};
 use super::super::batch::Batch;
 use super::super::contact::{LANES, POINTS, tangents};
 use super::super::contact_block::ContactBlocks;
+use super::super::integrate::limit_speeds;
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use super::{Impact, ImpactBody, ImpactManifold, ImpactPoint};
 use crate::linalg::held_axes::held;
 use crate::tight_vec::resize;
+use crate::tuning::needles::FAR_SHARE;
 
 /// Share of a spin's energy that is rounding.
 const ROUNDING: f64 = 1.0e-5;
@@ -35,8 +37,9 @@ pub(crate) struct Impacts {
     /// Body of each slot, and slot of each body.
     number: Vec<u32>,
     slots: Vec<u32>,
-    /// What is added to velocities once poses have moved.
-    changes: Vec<BodyChange>,
+    /// Bodies that get other velocities once poses have moved, and the islands that they are of.
+    struck_bodies: Vec<StruckBody>,
+    after: Vec<AfterImpact>,
     /// Block, lane and multipliers that are carried on, of manifolds that were pressed with more in the impact.
     carried: Vec<(u32, u32, [f32; POINTS], f32)>,
 }
@@ -46,7 +49,8 @@ impl Impacts {
     pub(crate) fn prepare(&mut self, contacts: &ContactBlocks) {
         self.may_happen = contacts.extras.iter().any(|extra| extra.has_restitution);
         self.struck.clear();
-        self.changes.clear();
+        self.struck_bodies.clear();
+        self.after.clear();
         self.carried.clear();
     }
 
@@ -131,18 +135,20 @@ impl Impacts {
     /// Gives velocities and multipliers back.
     fn give_back(&mut self, batch: &mut Batch, members: Range<usize>) {
         let Batch { contacts, velocities, motions, .. } = batch;
+        let (mut energy, mut is_driven) = (0.0, false);
         for (&slot, body) in self.slots.iter().zip(&self.impact.bodies) {
             self.number[slot as usize] = NOBODY;
-            let now = &velocities[slot as usize];
-            let motion = &motions[slot as usize];
-            self.changes.push(BodyChange {
-                slot,
-                linear: (body.linear - now.linear.as_dvec3()).as_vec3(),
-                angular: (body.angular - now.angular.as_dvec3()).as_vec3(),
-                rotation: motion.rotation,
-                spin_energy: spin_energy(motion, body.angular),
-            });
+            let (now, motion) = (&velocities[slot as usize], &motions[slot as usize]);
+            if !motion.is_dynamic() {
+                is_driven |= now.linear != Vec3::ZERO || now.angular != Vec3::ZERO;
+                continue;
+            }
+            energy += kinetic_energy(body.inverse_mass, motion, body.linear, body.angular);
+            let added = [body.linear - now.linear.as_dvec3(), body.angular - now.angular.as_dvec3()];
+            let spin = kinetic_energy(DVec3::ZERO, motion, DVec3::ZERO, body.angular);
+            self.struck_bodies.push(StruckBody { slot, added, rotation: motion.rotation, spin });
         }
+        self.after.push(AfterImpact { end: self.struck_bodies.len(), energy: (!is_driven).then_some(energy) });
         for (manifold, &(.., block, lane)) in self.impact.manifolds.iter().zip(&self.members[members]) {
             let (number, l) = (block as usize, lane as usize);
             let points = &self.impact.points[manifold.points.clone()];
@@ -210,10 +216,12 @@ impl Impacts {
     /// What is free keeps the angular momentum that it has then. Its bodies have moved on since the levers were formed, so a blow along one line
     /// is along two; were that made up for by a rotation of all, balls without friction would spin, and elastic ones gain energy.
     pub(crate) fn apply(&mut self, batch: &mut Batch) {
-        for change in self.changes.drain(..) {
-            let slot = change.slot as usize;
-            change.apply(&mut batch.velocities[slot], &batch.motions[slot]);
+        let mut first = 0;
+        for after in self.after.drain(..) {
+            after.apply(&self.struck_bodies[first..after.end], &mut batch.velocities, &batch.motions);
+            first = after.end;
         }
+        self.struck_bodies.clear();
         if !self.struck.is_empty() && !batch.free.is_empty() {
             let Batch { free, velocities, motions, poses, islands, .. } = batch;
             free.note(velocities, motions, poses, |slot| self.has_struck(islands, slot));
@@ -273,48 +281,96 @@ fn island_of(batch: &Batch, number: usize) -> Option<u32> {
     batch.islands.partition_point(|&first| first <= slot).checked_sub(1).map(|island| island as u32)
 }
 
-/// What an impact changes of a body's velocity.
+/// What an impact adds to a body's velocity.
 #[derive(Debug, Clone, Copy)]
-struct BodyChange {
+struct StruckBody {
     slot: u32,
-    linear: Vec3,
-    angular: Vec3,
-    /// How the body was turned when it was hit, and its energy of spin right after (J).
+    /// Linear and angular.
+    added: [DVec3; 2],
+    /// How it was turned when it was hit, and its energy of spin right after (J).
     rotation: Quat,
-    spin_energy: f64,
+    spin: f64,
 }
 
-impl BodyChange {
-    /// Changes the velocity of a body that has moved on since.
+impl StruckBody {
+    /// The angular velocity with what was added, for a body that turns fast.
     ///
-    /// Meanwhile it has turned. A change of spin about the axis of a needle is then also one across it, where the needle is up to a million times
-    /// heavier, and a heap of them gains energy without end. Where as it stands the change would make energy, it turns with the body.
-    fn apply(&self, velocity: &mut BodyVelocity, motion: &BodyMotion) {
-        velocity.linear += self.linear;
-        let before = velocity.angular;
-        velocity.angular += self.angular;
-        if motion.kind != MotionKind::Tumbling {
-            return;
+    /// A change of spin about the axis of a needle is after a turn also one across it, where the needle is up to a million times heavier, and a
+    /// heap of them gains energy without end. Where as it stands the change would make energy, it turns with the body.
+    fn without_gain(&self, before: DVec3, motion: &BodyMotion) -> DVec3 {
+        let added = self.added[1];
+        let energy = |angular: DVec3| kinetic_energy(DVec3::ZERO, motion, DVec3::ZERO, angular);
+        let most = self.spin * (1.0 + ROUNDING);
+        if motion.kind != MotionKind::Tumbling || energy(before + added) <= most {
+            return before + added;
         }
-        let most = self.spin_energy * (1.0 + ROUNDING);
-        if spin_energy(motion, velocity.angular.as_dvec3()) <= most {
-            return;
-        }
-        velocity.angular = before + motion.rotation * (self.rotation.conjugate() * self.angular);
-        let energy = spin_energy(motion, velocity.angular.as_dvec3());
-        if energy > most {
-            velocity.angular *= (most / energy).sqrt() as f32;
-        }
+        let turned = before + (motion.rotation * self.rotation.conjugate()).as_dquat().normalize() * added;
+        turned * (most / energy(turned).max(most)).sqrt()
     }
 }
 
-/// Energy of a body's spin (J); none of what has no inertia.
-fn spin_energy(motion: &BodyMotion, angular: DVec3) -> f64 {
-    if motion.kind != MotionKind::Tumbling {
-        return 0.0;
+/// What an impact has left of an island.
+#[derive(Debug, Clone, Copy)]
+struct AfterImpact {
+    /// One past its last body.
+    end: usize,
+    /// Its kinetic energy (J); none where the host moves what was hit, whose work is in it.
+    energy: Option<f64>,
+}
+
+impl AfterImpact {
+    /// Gives bodies that have moved on since the velocities that an impact has left them with.
+    ///
+    /// Meanwhile they have turned, and where moments of inertia differ, what is added makes another energy of what they are now. So all of it is
+    /// taken to the share at which the energy is what the impact has left: what pushes two bodies still pushes both alike. Where that is far from
+    /// all of it, a body turns too fast for that, and loses what it may.
+    fn apply(&self, bodies: &[StruckBody], velocities: &mut [BodyVelocity], motions: &[BodyMotion]) {
+        let share = self.share(bodies, velocities, motions);
+        for body in bodies {
+            let (velocity, motion) = (&mut velocities[body.slot as usize], &motions[body.slot as usize]);
+            let [linear, angular] = body.added.map(|added| added * share.unwrap_or(1.0));
+            let before = velocity.angular.as_dvec3();
+            velocity.linear = (velocity.linear.as_dvec3() + linear).as_vec3();
+            velocity.angular = match share {
+                Some(_) => before + angular,
+                None => body.without_gain(before, motion),
+            }
+            .as_vec3();
+            limit_speeds(velocity, motion);
+        }
     }
+
+    /// The share s at which E₀ + s E₁ + s² E₂ is the energy that was left, of two that nearer to 1; none if there is none, a far one, or
+    /// the host has a part in that energy.
+    fn share(&self, bodies: &[StruckBody], velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<f64> {
+        let left = self.energy?;
+        let mut powers = [0.0; 3];
+        for body in bodies {
+            let (velocity, motion) = (&velocities[body.slot as usize], &motions[body.slot as usize]);
+            let of = |linear: DVec3, angular: DVec3| kinetic_energy(velocity.inverse_mass.as_dvec3(), motion, linear, angular);
+            let (linear, angular) = (velocity.linear.as_dvec3(), velocity.angular.as_dvec3());
+            let [along, about] = body.added;
+            let (before, own) = (of(linear, angular), of(along, about));
+            powers[0] += before;
+            powers[1] += of(linear + along, angular + about) - before - own;
+            powers[2] += own;
+        }
+        let [before, slope, curvature] = powers;
+        if curvature <= 0.0 {
+            return Some(1.0);
+        }
+        let (middle, square) = (-0.5 * slope / curvature, (left - before) / curvature);
+        let half = (middle * middle + square).sqrt();
+        let share = if middle < 1.0 { middle + half } else { middle - half };
+        (FAR_SHARE..1.0 / FAR_SHARE).contains(&share).then_some(share)
+    }
+}
+
+/// Kinetic energy of a body at a velocity (J).
+fn kinetic_energy(inverse_mass: DVec3, motion: &BodyMotion, linear: DVec3, angular: DVec3) -> f64 {
+    let moved = DVec3::select(inverse_mass.cmpgt(DVec3::ZERO), linear * linear / inverse_mass, DVec3::ZERO);
     let spin = (motion.rotation * motion.inertia_frame).as_dquat().normalize().conjugate() * angular;
-    0.5 * (spin * spin).dot(motion.inertia.as_dvec3())
+    0.5 * (moved.element_sum() + (spin * spin).dot(motion.inertia.as_dvec3()))
 }
 
 impl ImpactBody {
