@@ -99,6 +99,7 @@ mod stress;
 mod strides;
 mod struck_joints;
 mod support;
+mod swaying_towers;
 mod thrust;
 mod tipping;
 mod tops;

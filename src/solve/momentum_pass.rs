@@ -16,9 +16,14 @@
 //! Only contacts whose friction cone holds the vertical take part. Momentum across gravity counts as much as along it: friction has a
 //! moment at every storey, and left to the sweeps it makes the multipliers that are carried over a spring on which a tower sways.
 //!
-//! The pass is for islands that are being put together: with a body that was made or put where it is less than `SETTLING_TIME` ago, and in
-//! which nothing has moved fast across gravity of late (thrown things are not stopped by handing their momentum straight down). How fast things fall does not
-//! matter.
+//! The pass is for islands without joints in which nothing moves fast across gravity past what it touches: thrown things are not stopped
+//! by handing their momentum straight down. How fast things fall, or a tower sways as a whole, does not matter. What sways needs the pass
+//! most. Its loads go to and fro between the points of every storey, and those that few sweeps carry lag behind: sinking and rising again
+//! each storey takes less from the tower than it gives, and the sway grows.
+//!
+//! What leans is on its way down unless something else holds it, and the pass is not to stop it: only bodies take part whose centre of mass
+//! is over the points that they stand on. In what is being put together, with a body that was made or put where it is less than
+//! `SETTLING_TIME` ago and nothing fast across gravity of late, all do: there nothing is to move.
 //!
 //! Bodies of one storey neither stand on each other nor hand anything to each other: several threads go through a wide one side by
 //! side, and each body adds up what it is handed in the order of the bodies above. A thread goes on to its part of the next storey when
@@ -30,11 +35,12 @@ mod patch;
 mod stack;
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 
 use super::batch::Batch;
-use super::contact::tangents;
+use super::contact::{LANES, tangents};
 use super::contact_partition::BlockRange;
 use super::parallel_contacts;
 use super::state::{BodyMotion, BodyVelocity};
@@ -43,6 +49,7 @@ use crate::tuning::stacks::{MIN_LEVELS, SIDEWAYS_TIME, WORTHWHILE_SHARE};
 use crate::workers::Workers;
 use changes::LaneChanges;
 use order::Order;
+use patch::Balance;
 use stack::{NO_PLACE, Stacks};
 
 /// The stacks of a batch, and buffers.
@@ -57,8 +64,11 @@ pub(crate) struct MomentumPass {
     /// Island of each slot; of those after the last island, none.
     island: Vec<u32>,
     islands: Vec<StackIsland>,
+    /// Whether each is no tower.
+    others: Vec<AtomicBool>,
     /// By slot.
     activities: Vec<BodyActivity>,
+    balance: Vec<Balance>,
 }
 
 /// Per-body inputs to [`StackIsland`].
@@ -68,6 +78,7 @@ struct BodyActivity {
     is_slow: bool,
     is_steady: bool,
     is_young: bool,
+    is_jointed: bool,
     worthwhile: f64,
 }
 
@@ -82,9 +93,9 @@ impl BodyActivity {
         Self {
             is_dynamic: true,
             is_slow: sideways.length_squared() < limit * limit,
-            // The pass knows contacts alone: a load that a joint takes would be handed down a second time.
-            is_steady: motion.steady && !motion.jointed,
+            is_steady: motion.steady,
             is_young: motion.young,
+            is_jointed: motion.jointed,
             worthwhile: WORTHWHILE_SHARE * 0.5 * mass * gained * gained,
         }
     }
@@ -99,6 +110,10 @@ struct StackIsland {
     is_steady: bool,
     /// Whether any body in it is young.
     is_young: bool,
+    /// The pass knows contacts alone: a load that a joint takes would be handed down a second time.
+    is_jointed: bool,
+    /// Whether all that bears in it stands, and nothing moves fast across gravity past what it touches.
+    is_tower: bool,
     levels: u32,
     slope: f64,
     curvature: f64,
@@ -110,7 +125,12 @@ struct StackIsland {
 
 impl StackIsland {
     fn may_be_useful(&self) -> bool {
-        self.is_steady && self.is_young
+        !self.is_jointed && (self.is_tower || self.is_being_built())
+    }
+
+    /// Whether it is being put together: all of it is to stay as it was put, what leans on others too.
+    fn is_being_built(&self) -> bool {
+        !self.is_jointed && self.is_steady && self.is_young
     }
 
     fn is_useful(&self) -> bool {
@@ -132,6 +152,9 @@ const NO_ISLAND: u32 = u32::MAX;
 /// Bodies of which the velocity is worth another thread's while.
 const MIN_BODIES: usize = 256;
 
+/// Blocks of contacts that are.
+const MIN_BLOCKS: usize = 64;
+
 impl MomentumPass {
     /// Forgets the islands of the last step.
     pub(crate) fn clear(&mut self) {
@@ -146,7 +169,9 @@ impl MomentumPass {
         let Some(up) = (-gravity).try_normalize() else { return };
         let (u, v) = tangents(up);
         self.axes = [up, u, v];
-        self.find_slow_islands(batch, threads, SIDEWAYS_TIME * gravity.length(), h);
+        let limit = SIDEWAYS_TIME * gravity.length();
+        self.find_slow_islands(batch, threads, limit, h);
+        self.find_towers(batch, threads, limit);
         if self.islands.iter().any(StackIsland::may_be_useful) {
             self.list_stands(batch, threads);
             self.put_in_order(threads);
@@ -183,10 +208,38 @@ impl MomentumPass {
                     own.is_slow &= activity.is_slow;
                     own.is_steady &= activity.is_steady;
                     own.is_young |= activity.is_young;
+                    own.is_jointed |= activity.is_jointed;
                     own.worthwhile += activity.worthwhile;
                 }
             }
             own.is_steady &= own.is_slow;
+        }
+    }
+
+    /// Finds the islands of which all that bears stands, and in which nothing moves faster than `limit` (m/s) across gravity past what it
+    /// touches.
+    fn find_towers(&mut self, batch: &Batch, threads: &Workers, limit: f32) {
+        let Self { islands, island, others, axes: [up, ..], .. } = self;
+        others.clear();
+        others.resize_with(islands.len(), AtomicBool::default);
+        let piece = threads.piece(batch.contacts.len(), MIN_BLOCKS);
+        threads.share(batch.contacts.blocks.chunks(piece), |blocks| {
+            for block in blocks {
+                for lane in (0..LANES).filter(|&lane| block.count[lane] > 0) {
+                    let slots = [block.a[lane], block.b[lane]].map(|slot| slot as usize);
+                    let own = || slots.into_iter().filter_map(|slot| others.get(island[slot] as usize));
+                    if own().all(|other| other.load(Ordering::Relaxed)) {
+                        continue;
+                    }
+                    let [a, b] = slots.map(|slot| batch.velocities[slot].linear);
+                    if (b - a).reject_from_normalized(*up).length_squared() >= limit * limit {
+                        own().for_each(|other| other.store(true, Ordering::Relaxed));
+                    }
+                }
+            }
+        });
+        for (island, other) in islands.iter_mut().zip(others) {
+            island.is_tower = !*other.get_mut();
         }
     }
 

@@ -8,7 +8,7 @@ use super::super::buckets::Buckets;
 use super::super::contact::LANES;
 use super::super::state::WORLD_SLOT;
 use super::changes::LaneChanges;
-use super::patch::{BalanceRows, Impulse, PatchPoint, SupportPatch, SupportedBody, describe};
+use super::patch::{Balance, BalanceRows, Impulse, PatchPoint, SupportPatch, SupportedBody, describe};
 use super::stack::{Along, NO_PLACE, Stacks, Standing};
 use super::{MomentumPass, NO_ISLAND, StackIsland};
 use crate::load_distribution::BoundedPoint;
@@ -177,10 +177,15 @@ impl Order {
 impl MomentumPass {
     /// Finds which manifolds bodies stand on in islands that the pass may be for.
     pub(super) fn list_stands(&mut self, batch: &Batch, threads: &Workers) {
-        let Self { order, island, islands, axes: [up, ..], .. } = self;
+        self.find_balance(batch);
+        let Self { order, island, islands, balance, axes: [up, ..], .. } = self;
         let contacts = &batch.contacts;
-        let is_asked =
-            |stand: &SupportedBody| islands.get(island[stand.upper as usize] as usize).is_some_and(StackIsland::may_be_useful);
+        let is_asked = |stand: &SupportedBody| {
+            let own = islands.get(island[stand.upper as usize] as usize);
+            own.is_some_and(|island| {
+                island.is_being_built() || island.may_be_useful() && balance[stand.upper as usize].is_balanced()
+            })
+        };
         let is_other = AtomicBool::new(order.stands.len() != contacts.len() * LANES);
         resize(&mut order.stands, contacts.len() * LANES, SupportedBody::NONE);
         let piece = threads.piece(contacts.len(), MIN_BLOCKS);
@@ -195,6 +200,22 @@ impl MomentumPass {
         });
         if is_other.into_inner() {
             order.found_for.places = 0;
+        }
+    }
+
+    /// Finds what would stand on what is under it, in islands of which not all do.
+    fn find_balance(&mut self, batch: &Batch) {
+        let Self { island, islands, balance, axes: [up, u, v], .. } = self;
+        balance.clear();
+        if islands.iter().all(|island| island.is_being_built() || !island.may_be_useful()) {
+            return;
+        }
+        balance.resize(island.len(), Balance::NONE);
+        for (block, lane) in (0..batch.contacts.len()).flat_map(|block| (0..LANES).map(move |lane| (block, lane))) {
+            let Some(stand) = SupportedBody::of(&batch.contacts, block, lane, *up) else { continue };
+            for lever in stand.levers(&batch.contacts, block, lane) {
+                balance[stand.upper as usize].add(lever.dot(*u), lever.dot(*v));
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use std::ops::{Add, Sub};
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 use super::super::contact::{LANES, tangents};
 use super::super::contact_block::{ContactBlock, ContactBlocks};
@@ -81,9 +81,36 @@ impl SupportedBody {
         Some(Self { upper, lower, points, upper_is_b })
     }
 
+    /// Its points, from the centre of mass of the upper body (m).
+    pub(super) fn levers(self, contacts: &ContactBlocks, block: usize, lane: usize) -> impl Iterator<Item = Vec3> {
+        let exists = move |&point: &usize| contacts.rows(block, point).inverse_diagonal[lane] > 0.0;
+        (0..contacts.room_of(block)).filter(exists).map(move |point| self.sorted(contacts.rows(block, point).levers_of(lane)).0)
+    }
+
     /// Of something on A and on B, that on the upper body and that on the lower.
     fn sorted<T>(&self, (a, b): (T, T)) -> (T, T) {
         if self.upper_is_b { (b, a) } else { (a, b) }
+    }
+}
+
+/// How far the points that a body stands on reach from its centre of mass, seen from above: along two axes and two diagonals (m).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Balance {
+    least: Vec4,
+    most: Vec4,
+}
+
+impl Balance {
+    pub(super) const NONE: Self = Self { least: Vec4::INFINITY, most: Vec4::NEG_INFINITY };
+
+    pub(super) fn add(&mut self, x: f32, y: f32) {
+        let ways = Vec4::new(x, y, x + y, x - y);
+        (self.least, self.most) = (self.least.min(ways), self.most.max(ways));
+    }
+
+    /// Whether its centre of mass is over them, so that it stands by itself. A card that leans on another does not.
+    pub(super) fn is_balanced(&self) -> bool {
+        self.least.cmple(Vec4::ZERO).all() && self.most.cmpge(Vec4::ZERO).all()
     }
 }
 
