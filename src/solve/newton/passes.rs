@@ -17,7 +17,7 @@
 //! ([`admm`](super::admm)), which degrade gracefully.
 
 use super::factor::Vector;
-use super::problem::{Problem, push_term, speed};
+use super::problem::{Problem, push_term, rate, speed};
 use super::term::{Law, Term, length};
 
 /// R over J M⁻¹ Jᵀ, at most; and R over 1/λ̄ (m/s): a term that bears much is stiffer, so that what a bristle yields stays small. Tried from
@@ -275,8 +275,17 @@ impl Problem {
         for (product, drive) in product.iter_mut().zip(&self.drive) {
             product.iter_mut().zip(drive).for_each(|(entry, drive)| *entry -= drive);
         }
-        let start = along(&product);
+        let [mut start, mut curvature] = [along(&product), curvature];
         self.room.product = product;
+        // Rows that give have the energy of their springs, ½ u²/ε each: without it a step is cut short wherever it loads one.
+        for link in &self.links {
+            for row in (0..link.rows).filter(|&row| link.give[row] > 0.0) {
+                let speed = |v: &[Vector]| rate(link.bodies, [&link.jacobian[0][row], &link.jacobian[1][row]], v);
+                let (has, more) = (speed(&self.velocity) + link.bias[row], speed(&self.unknowns[..bodies]));
+                start += has * more / link.give[row];
+                curvature += more * more / link.give[row];
+            }
+        }
         let Self { terms, room, .. } = self;
         let slope = |share: f64| {
             let terms = terms.iter().zip(&room.step_speeds);
