@@ -19,6 +19,7 @@ mod cranes;
 mod dead_centres;
 mod determinism;
 mod direct;
+mod dragged;
 mod drawn_past_walls;
 mod driven_into;
 mod edits_after_restore;

@@ -51,7 +51,7 @@ use super::disjoint::DisjointSlices;
 use super::integrate::PredictedPose;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
-use crate::joint::{JointKind, Limits};
+use crate::joint::{JointDef, JointKind, Limits};
 use crate::joint_record::Joint;
 use crate::workers::Workers;
 
@@ -321,29 +321,42 @@ pub(crate) fn worst_gap<'a>(
 
 /// Distance between the joint points beyond what the kind of joint allows (m).
 pub(crate) fn gap_of(kind: &JointKind, placement: &Placement) -> f64 {
-    let beyond = |value: f64, min: f32, max: f32| (f64::from(min) - value).max(value - f64::from(max)).max(0.0);
     match kind {
         JointKind::Fixed | JointKind::Hinge { .. } | JointKind::Spherical { .. } => placement.gap.length(),
-        JointKind::Distance { limits, .. } => beyond(placement.gap.length(), limits.min, limits.max),
+        JointKind::Distance { limits, .. } => beyond(placement.gap.length(), limits),
         JointKind::Prismatic { limits, .. } => {
             let gap = placement.local_gap();
-            DVec3::new(beyond(gap.x, limits.min, limits.max), gap.y, gap.z).length()
+            DVec3::new(beyond(gap.x, limits), gap.y, gap.z).length()
         }
         JointKind::Generic { linear, .. } => {
             let gap = placement.local_gap();
-            DVec3::from_array(std::array::from_fn(|i| beyond(gap[i], linear[i].limits.min, linear[i].limits.max))).length()
+            DVec3::from_array(std::array::from_fn(|i| beyond(gap[i], &linear[i].limits))).length()
         }
     }
 }
 
-/// The same where all limits of the joint give.
-pub(crate) fn gap_without_limits(kind: &JointKind, placement: &Placement) -> f64 {
-    match kind {
-        JointKind::Prismatic { .. } => placement.local_gap().with_x(0.0).length(),
-        JointKind::Distance { .. } => 0.0,
+/// How far a coordinate is beyond its limits.
+fn beyond(value: f64, limits: &Limits) -> f64 {
+    (f64::from(limits.min) - value).max(value - f64::from(limits.max)).max(0.0)
+}
+
+/// The same of what the joint holds rigidly: how far a spring is drawn, or a soft stop is pressed in, is no gap.
+pub(crate) fn rigid_gap(def: &JointDef, placement: &Placement) -> f64 {
+    let [points_give, limits_give] = [&def.linear, &def.limit].map(|softness| softness.compliance > 0.0);
+    match &def.kind {
+        kind if points_give && kinds::holds_points(kind) => 0.0,
+        JointKind::Prismatic { limits, .. } if points_give => {
+            if limits_give {
+                0.0
+            } else {
+                beyond(placement.local_gap().x, limits)
+            }
+        }
+        JointKind::Prismatic { .. } if limits_give => placement.local_gap().with_x(0.0).length(),
+        JointKind::Distance { .. } if limits_give => 0.0,
         // Six axes that hold their points do so as a ball joint does, and not by limits.
-        JointKind::Generic { linear, .. } if linear.iter().any(|axis| axis.limits != Limits::new(0.0, 0.0)) => 0.0,
-        _ => gap_of(kind, placement),
+        kind @ JointKind::Generic { .. } if limits_give && !kinds::holds_points(kind) => 0.0,
+        kind => gap_of(kind, placement),
     }
 }
 

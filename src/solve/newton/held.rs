@@ -17,7 +17,7 @@ use crate::solve::joint::body_response::{BodyResponse, CoordinateAnswer};
 use crate::solve::joint::kinds::{self, MotorRows};
 use crate::solve::joint::locks::Freedom;
 use crate::solve::joint::rows::{Jacobian, Rate, ScalarRow};
-use crate::solve::joint::{JointEntry, LocalPose, driven, gap_of, gap_without_limits};
+use crate::solve::joint::{JointEntry, LocalPose, driven, rigid_gap};
 
 /// Lever below which a joint is in the centre of mass of its body, over the body's radius of gyration: frames are rounded.
 const CENTRAL: f64 = 1.0e-3;
@@ -334,19 +334,13 @@ impl JointSet {
         if length > 0.0 { length } else { f64::INFINITY }
     }
 
-    /// How far joint points are from each other beyond what their joints allow.
+    /// How far joint points are from each other beyond what their joints allow, where these hold them rigidly.
     pub(super) fn gaps(&self, joints: &Pool<Joint, JointId>, local_poses: &[LocalPose]) -> Gaps {
-        self.each_gap(joints, local_poses)
-            .fold(Gaps::default(), |gaps, gap| Gaps { greatest: gaps.greatest.max(gap), squares: gaps.squares + gap * gap })
-    }
-
-    fn each_gap<'a>(&'a self, joints: &'a Pool<Joint, JointId>, local_poses: &'a [LocalPose]) -> impl Iterator<Item = f64> + 'a {
-        self.entries.iter().zip(&self.ends).map(|(entry, ends)| {
+        let gaps = self.entries.iter().zip(&self.ends).map(|(entry, ends)| {
             let [a, b] = ends.map(|body| local_poses[body]);
-            let (def, placement) = (&joints[entry.joint].def, entry.placement(a, b));
-            // How deep a soft stop is pressed in is no gap.
-            if def.limit.compliance > 0.0 { gap_without_limits(&def.kind, &placement) } else { gap_of(&def.kind, &placement) }
-        })
+            rigid_gap(&joints[entry.joint].def, &entry.placement(a, b))
+        });
+        gaps.fold(Gaps::default(), |gaps, gap| Gaps { greatest: gaps.greatest.max(gap), squares: gaps.squares + gap * gap })
     }
 }
 
