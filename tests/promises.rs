@@ -66,6 +66,7 @@ mod overrun_stops;
 mod parallel_ropes;
 mod pinned;
 mod plans;
+mod plungers;
 mod queries;
 mod query_grounds;
 mod query_oracles;

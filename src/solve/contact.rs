@@ -57,6 +57,16 @@ impl ContactInput {
         self.normal.dot(of_b - of_a)
     }
 
+    /// How both bodies by themselves answer along its normal at a point (1/kg).
+    pub(crate) fn own_ease(&self, point: usize, velocities: &[BodyVelocity]) -> f32 {
+        let ends = [(self.a, self.lever_a[point]), (self.b, self.lever_b[point])];
+        let each = ends.map(|(slot, lever)| {
+            let (body, turn) = (&velocities[slot as usize], lever.cross(self.normal));
+            (body.inverse_mass * self.normal).dot(self.normal) + body.inverse_inertia.mul(turn).dot(turn)
+        });
+        each[0] + each[1]
+    }
+
     /// Whether a point of it closes faster than this (m/s).
     pub(crate) fn closes(&self, velocities: &[BodyVelocity], speed: f32) -> bool {
         (0..self.count).any(|point| -self.opening(point, velocities) > speed)

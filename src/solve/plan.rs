@@ -6,12 +6,14 @@ use super::StepSettings;
 use super::contact::ContactInput;
 use super::direct::stiffness::IMPLICIT_RANGE;
 use super::direct::{FRICTION_ROWS, MAX_MANIFOLDS, MAX_RIDERS, are_few};
+use super::forest::{count_groups, join};
 use super::joint::JointLink;
+use super::meetings::{may_meet, rebounds, weighs_down};
 use super::stances::{Stances, Standing, is_slow, rests_sparsely};
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::report::IslandPlan;
 use crate::settings::Solver;
-use crate::tuning::plan::{ALIKE, HEAVY, LEANING, TALL};
+use crate::tuning::plan::{ALIKE, LEANING, TALL};
 
 /// Multiplications that a factorisation takes for each body at least: those of a link at the end of a chain, held at one point.
 const LEAST_WORK: u64 = 567;
@@ -50,6 +52,10 @@ struct BorneTraits {
     by_motors: bool,
     /// Whether a joint does more than give as a spring does.
     is_held: bool,
+    /// Whether a joint has springs; whether what joints hold may touch nothing unless they throw it; and by how much they may (√J).
+    is_sprung: bool,
+    is_in_reach: bool,
+    swing: f64,
 }
 
 /// What is known of bodies without joints that touch one another.
@@ -118,14 +124,19 @@ pub(crate) struct Planner {
 
 impl Planner {
     /// Plans of islands that begin with these slots and end before `end`; `is_anchor` says whether an end of a joint is fixed or
-    /// moved by the host, and `stiffness` how stiffly a force of 1 N in it turns its bodies in a substep (1/N), and what force it bore last (N).
+    /// moved by the host, and `stiffness` how stiffly a force of 1 N in it turns its bodies in a substep (1/N), and what force it bore last
+    /// (N); and `swing` how much its springs may set going (√J).
     pub(crate) fn plan(
         &mut self,
         firsts: &[u32],
         end: u32,
         links: &[JointLink],
         (velocities, motions, contacts): (&[BodyVelocity], &[BodyMotion], &[ContactInput]),
-        (is_anchor, stiffness): (impl Fn(&JointLink) -> bool, impl Fn(&JointLink) -> [f64; 2]),
+        (is_anchor, stiffness, swing): (
+            impl Fn(&JointLink) -> bool,
+            impl Fn(&JointLink) -> [f64; 2],
+            impl FnMut(&JointLink) -> f64,
+        ),
         settings: &StepSettings,
     ) {
         let Self { looks, plans, tied, grouped, sizes, stances } = self;
@@ -161,6 +172,7 @@ impl Planner {
             look.is_limbed |= link.traits.limits_angles;
             look.borne.by_motors |= link.traits.holds_by_motor;
             look.borne.is_driven |= link.traits.has_rigid_motor;
+            look.borne.is_sprung |= link.traits.has_springs;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
             look.is_anchored |= ends.contains(&0) && is_anchor(link);
             look.is_looped |= !join(tied, ends);
@@ -177,13 +189,14 @@ impl Planner {
         }
         for look in looks.iter_mut().filter(|look| look.is_looped && !look.is_loaded) {
             let slots = (look.first..look.first + look.bodies).map(|slot| slot as usize);
-            look.pull = slots.map(|slot| pull(&velocities[slot], &motions[slot])).sum();
+            look.pull = slots.map(|slot| motions[slot].pull(&velocities[slot])).sum();
         }
         for contact in contacts {
             if let Some(number) = island_of([contact.a, contact.b]) {
                 looks[number].add_contact(contact, velocities, motions, settings);
             }
         }
+        find_swings(looks, (links, contacts), (velocities, motions), (island_of, swing), settings);
         count_articulations(looks, links, motions, island_of, (grouped, sizes));
         find_standing(looks, (velocities, motions, contacts), settings, island_of, stances);
         plans.clear();
@@ -271,9 +284,23 @@ impl IslandTraits {
         }
         self.loose.is_pressed |= contact.presses();
         let is_driven = self.borne.is_driven || ends.iter().any(|motion| motion.driven);
-        if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, (velocities, motions), settings.dt) {
-            return;
+        let may_meet = || contact.presses() || is_driven || may_meet(contact, (velocities, motions), settings.dt, 0.0);
+        if self.joints > 0 && may_meet() {
+            self.count_contact(contact, velocities, motions, settings);
+        } else {
+            self.borne.is_in_reach |= self.borne.is_sprung && ends.iter().any(|motion| motion.jointed);
         }
+    }
+
+    /// Notes a contact that may close within the step.
+    fn count_contact(
+        &mut self,
+        contact: &ContactInput,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        settings: &StepSettings,
+    ) {
+        let ends = [contact.a, contact.b].map(|slot| &motions[slot as usize]);
         if ends.iter().any(|motion| motion.jointed) {
             (self.touches, self.stands) = (true, self.stands | ends.iter().any(|motion| !motion.is_dynamic()));
         }
@@ -351,6 +378,11 @@ impl IslandTraits {
         self.joints > 0 && (!self.is_anchored || self.borne.meetings > self.joints)
     }
 
+    /// Whether its plan depends on what springs throw.
+    fn asks_for_swing(&self) -> bool {
+        self.borne.is_in_reach && !self.touches && !self.is_swept
+    }
+
     /// Whether its plan depends on how many articulations it has.
     fn asks_for_groups(&self) -> bool {
         self.may_be_heap() || self.may_carry()
@@ -383,26 +415,31 @@ fn is_loose(motion: &BodyMotion) -> bool {
     motion.is_dynamic() && !motion.jointed
 }
 
-/// Force of gravity and of the host on a body that joints may hold (N).
-fn pull(velocity: &BodyVelocity, motion: &BodyMotion) -> f64 {
-    let inverse_mass = f64::from(velocity.inverse_mass.max_element());
-    if motion.is_dynamic() && inverse_mass > 0.0 { f64::from(motion.acceleration.length()) / inverse_mass } else { 0.0 }
-}
-
-/// Root of a slot's tree; ways there are shortened.
-fn root(forest: &mut [u32], mut slot: u32) -> u32 {
-    while forest[slot as usize] != slot {
-        forest[slot as usize] = forest[forest[slot as usize] as usize];
-        slot = forest[slot as usize];
+/// Counts contacts that close if springs throw what joints hold, where else it touches nothing: a spring that is drawn, and at rest, has no speed
+/// yet. `island_of` is the island of two slots.
+fn find_swings(
+    looks: &mut [IslandTraits],
+    (links, contacts): (&[JointLink], &[ContactInput]),
+    (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
+    (island_of, mut swing): (impl Fn([u32; 2]) -> Option<usize>, impl FnMut(&JointLink) -> f64),
+    settings: &StepSettings,
+) {
+    if !looks.iter().any(IslandTraits::asks_for_swing) {
+        return;
     }
-    slot
-}
-
-/// Joins the trees of two slots; whether they were two.
-fn join(forest: &mut [u32], slots: [u32; 2]) -> bool {
-    let [a, b] = slots.map(|slot| root(forest, slot));
-    forest[a.max(b) as usize] = a.min(b);
-    a != b
+    for link in links.iter().filter(|link| link.traits.has_springs) {
+        if let Some(number) = island_of([link.a, link.b]).filter(|&number| looks[number].asks_for_swing()) {
+            looks[number].borne.swing += swing(link);
+        }
+    }
+    for contact in contacts {
+        let Some(number) = island_of([contact.a, contact.b]) else { continue };
+        let look = &mut looks[number];
+        let swing = look.borne.swing as f32;
+        if swing > 0.0 && may_meet(contact, (velocities, motions), settings.dt, swing) {
+            look.count_contact(contact, velocities, motions, settings);
+        }
+    }
 }
 
 /// Counts the articulations of each island whose plan depends on it; `island_of` is the island of two slots.
@@ -428,20 +465,6 @@ fn count_articulations(
     for look in looks.iter_mut().filter(|look| look.asks_for_groups()) {
         look.articulations = count_groups(grouped, look.first..look.first + look.bodies, sizes);
     }
-}
-
-/// Trees of two slots and more among these.
-fn count_groups(forest: &mut [u32], slots: std::ops::Range<u32>, sizes: &mut Vec<u32>) -> u32 {
-    sizes.clear();
-    sizes.resize(slots.len(), 0);
-    let first = slots.start;
-    let mut groups = 0;
-    for slot in slots {
-        let size = &mut sizes[(root(forest, slot) - first) as usize];
-        *size += 1;
-        groups += u32::from(*size == 2);
-    }
-    groups
 }
 
 /// Whether so many bodies and contacts without joints may be a row between two bodies that are fixed or moved, at most.
@@ -473,23 +496,4 @@ fn find_standing(
             look.most_work = most_work(settings, look.leans_at_rest());
         }
     }
-}
-
-/// Whether a contact may close within a step of `dt` (s), at the speeds of now and what gravity and the host's forces add.
-fn may_meet(contact: &ContactInput, (velocities, motions): (&[BodyVelocity], &[BodyMotion]), dt: f32) -> bool {
-    let most = |slot: u32| motions[slot as usize].acceleration.length();
-    let fall = most(contact.a).max(most(contact.b)) * dt * dt;
-    (0..contact.count).any(|point| contact.separation[point] <= fall - contact.opening(point, velocities).min(0.0) * dt)
-}
-
-/// Whether one body of a contact is held by joints and [`HEAVY`] times lighter than the other, which moves too.
-fn weighs_down(contact: &ContactInput, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> bool {
-    let [a, b] = [contact.a, contact.b].map(|slot| velocities[slot as usize].inverse_mass.max_element());
-    let is_light = |slot: u32, own: f32, other: f32| motions[slot as usize].jointed && other > 0.0 && own > HEAVY * other;
-    is_light(contact.a, a, b) || is_light(contact.b, b, a)
-}
-
-/// Whether a contact is to rebound in the step.
-fn rebounds(contact: &ContactInput, velocities: &[BodyVelocity], settings: &StepSettings) -> bool {
-    contact.material.restitution > 0.0 && contact.closes(velocities, settings.restitution_threshold)
 }

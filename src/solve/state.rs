@@ -179,6 +179,12 @@ pub(crate) enum MotionKind {
 }
 
 impl BodyMotion {
+    /// Force of gravity and of the host on it, of this inverse mass (N).
+    pub(crate) fn pull(&self, velocity: &BodyVelocity) -> f64 {
+        let inverse_mass = f64::from(velocity.inverse_mass.max_element());
+        if self.is_dynamic() && inverse_mass > 0.0 { f64::from(self.acceleration.length()) / inverse_mass } else { 0.0 }
+    }
+
     pub(crate) const FIXED: Self = Self {
         displacement: Vec3::ZERO,
         turn: Vec3::ZERO,

@@ -36,6 +36,7 @@ mod search_direction;
 mod singles;
 mod spherical;
 mod sweep;
+pub(crate) mod swing;
 
 use domains::Strips;
 pub(crate) use domains::may_be_cut;

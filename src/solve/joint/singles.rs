@@ -455,7 +455,7 @@ pub(super) fn locks_of(entry: &JointEntry, velocities: &[BodyVelocity], motions:
 }
 
 /// How a body answers to its motor.
-fn answer_of(velocity: &BodyVelocity, motion: &BodyMotion) -> BodyResponse {
+pub(super) fn answer_of(velocity: &BodyVelocity, motion: &BodyMotion) -> BodyResponse {
     let inverse_inertia = velocity.inverse_inertia.to_mat3().as_dmat3();
     let linear = if motion.is_dynamic() { motion.acceleration.as_dvec3() } else { DVec3::ZERO };
     let acceleration = Rate { linear, angular: inverse_inertia * motion.torque.as_dvec3() };

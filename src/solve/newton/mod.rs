@@ -18,6 +18,8 @@ use glam::{DMat3, DVec3};
 use super::StepSettings;
 use super::contact::{ContactImpulses, ContactInput};
 use super::direct::body::DirectBody;
+use super::joint::rows::ScalarRow;
+use super::joint::swing::most_swing;
 use super::joint::{JointEntry, JointLink};
 use super::plan::Planner;
 use super::state::{BodyMotion, BodyVelocity};
@@ -69,6 +71,8 @@ pub(crate) struct Newton {
     /// Which of those has each manifold, and its number there; none where it is no one's.
     held: Vec<Option<(u32, u32)>>,
     planner: Planner,
+    /// Room for the rows of a joint.
+    asked: Vec<ScalarRow>,
 }
 
 /// What the world knows of a batch beyond the batch's own arrays.
@@ -188,7 +192,7 @@ impl Newton {
         if links.is_empty() && contacts.is_empty() {
             return;
         }
-        let Self { islands, count, held, planner } = self;
+        let Self { islands, count, held, planner, asked } = self;
         let (rates, moving): (&[BodyVelocity], &[BodyMotion]) = (velocities, motions);
         let h = f64::from(settings.dt) / f64::from(settings.substeps);
         let stiffness = |link: &JointLink| {
@@ -199,7 +203,11 @@ impl Newton {
             };
             [h * h * (ease(0) + ease(1)), f64::from(entry.impulses.point.length()) / h]
         };
-        planner.plan(firsts, end, links, (rates, moving, contacts), (|link| records.is_anchor(link), stiffness), settings);
+        let swing = |link: &JointLink| {
+            let entry = records.joint(link);
+            most_swing(&entry, &joints[entry.joint], (rates, moving), f64::from(settings.dt), asked)
+        };
+        planner.plan(firsts, end, links, (rates, moving, contacts), (|link| records.is_anchor(link), stiffness, swing), settings);
         for (number, traits) in planner.coupled() {
             let last = firsts.get(number + 1).copied().unwrap_or(end);
             if *count == islands.len() {

@@ -275,17 +275,9 @@ impl Problem {
         for (product, drive) in product.iter_mut().zip(&self.drive) {
             product.iter_mut().zip(drive).for_each(|(entry, drive)| *entry -= drive);
         }
-        let [mut start, mut curvature] = [along(&product), curvature];
+        let start = along(&product);
         self.room.product = product;
-        // Rows that give have the energy of their springs, ½ u²/ε each: without it a step is cut short wherever it loads one.
-        for link in &self.links {
-            for row in (0..link.rows).filter(|&row| link.give[row] > 0.0) {
-                let speed = |v: &[Vector]| rate(link.bodies, [&link.jacobian[0][row], &link.jacobian[1][row]], v);
-                let (has, more) = (speed(&self.velocity) + link.bias[row], speed(&self.unknowns[..bodies]));
-                start += has * more / link.give[row];
-                curvature += more * more / link.give[row];
-            }
-        }
+        let [start, curvature] = self.with_springs([start, curvature]);
         let Self { terms, room, .. } = self;
         let slope = |share: f64| {
             let terms = terms.iter().zip(&room.step_speeds);
@@ -297,6 +289,21 @@ impl Problem {
         };
         let (first, last) = (slope(0.0), slope(1.0));
         if first < 0.0 && last > STEEP * first.abs() { zero_of(slope, first, last) } else { 1.0 }
+    }
+
+    /// Slope and curvature of the objective along the step, with those of rows of joints that give, whose part of it is ½ (J v + b)²/γ: rows that
+    /// do not are as far from what they ask for anywhere along it.
+    fn with_springs(&self, of_bodies: [f64; 2]) -> [f64; 2] {
+        let mut sums = of_bodies;
+        for link in &self.links {
+            for row in (0..link.rows).filter(|&row| link.give[row] > 0.0) {
+                let jacobian = [&link.jacobian[0][row], &link.jacobian[1][row]];
+                let step = rate(link.bodies, jacobian, &self.unknowns);
+                let error = rate(link.bodies, jacobian, &self.velocity) + link.bias[row];
+                sums = [sums[0] + error * step / link.give[row], sums[1] + step * step / link.give[row]];
+            }
+        }
+        sums
     }
 
     /// Takes the impulses that have been found as those expected; whether nothing has changed by much.
