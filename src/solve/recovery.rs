@@ -3,9 +3,12 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use glam::Quat;
+
 use super::batch::Batch;
 use super::direct::SolveContext;
-use super::state::BodyVelocity;
+use super::state::{BodyMotion, BodyVelocity, MotionKind};
+use super::wide_bodies::TURNING_LET_BE;
 use super::{contact_kernels, parallel_contacts};
 use crate::tight_vec::make_room;
 use crate::workers::Workers;
@@ -58,10 +61,14 @@ impl Recovery {
             self.yield_to_pushes(batch, threads);
             self.recover(batch, threads, &jointed, dt);
         }
-        let (Self { pushes }, Batch { motions, .. }) = (self, batch);
+        let (Self { pushes }, Batch { velocities, motions, .. }) = (self, batch);
         let piece = if threads.has_team() { threads.piece(motions.len(), SHARED_BODIES) } else { motions.len() };
-        threads.share(pushes.chunks(piece).zip(motions.chunks_mut(piece)), |(pushes, motions)| {
-            pushes.iter().zip(motions).for_each(|(push, motion)| motion.displace(push.linear, push.angular));
+        let bodies = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece));
+        threads.share(pushes.chunks(piece).zip(bodies), |(pushes, (velocities, motions))| {
+            pushes
+                .iter()
+                .zip(velocities.iter_mut().zip(motions))
+                .for_each(|(push, (velocity, motion))| push_out(push, velocity, motion));
         });
     }
 
@@ -102,5 +109,22 @@ impl Recovery {
     fn yield_to_pushes(&mut self, batch: &mut Batch, threads: &Workers) {
         let (Self { pushes }, Batch { direct, motions, .. }) = (self, batch);
         direct.yield_to_pushes(SolveContext { threads, velocities: pushes, motions });
+    }
+}
+
+/// Moves a body out of what it is in. Where its angular velocity has more energy once it has been turned, that goes with it: of a rod that spins about
+/// its length a part would be across it, with a thousand times the inertia. What joints hold keeps it, which they would be pulled apart by.
+fn push_out(push: &BodyVelocity, velocity: &mut BodyVelocity, motion: &mut BodyMotion) {
+    let before = motion.rotation;
+    motion.displace(push.linear, push.angular);
+    if motion.kind != MotionKind::Tumbling || motion.jointed || motion.rotation == before {
+        return;
+    }
+    let energy = |rotation: Quat| {
+        let spin = (rotation * motion.inertia_frame).conjugate() * velocity.angular;
+        (motion.inertia * spin).dot(spin)
+    };
+    if energy(motion.rotation) > energy(before) * TURNING_LET_BE {
+        velocity.angular = motion.free_rotation() * ((motion.rotation * before.conjugate()).normalize() * velocity.angular);
     }
 }

@@ -17,7 +17,7 @@ use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 const FAR_TURN: f32 = 2.0 * MAX_TURN;
 
 /// Growth of what a body has by turning that is let be: rounding of `f32`.
-const TURNING_LET_BE: f32 = 1.0 + 1.0e-5;
+pub(in crate::solve) const TURNING_LET_BE: f32 = 1.0 + 1.0e-5;
 
 /// Sine of half the angle by which position rows may turn a body without a look at its energy: next to rounding.
 const NEGLIGIBLE_TURN: f32 = 1.0e-6;

@@ -32,6 +32,8 @@ pub(crate) mod search_direction;
 mod tests;
 mod turn;
 
+pub(super) use kernels::TURNING_LET_BE;
+
 /// Blocks of bodies from which on several threads move them, and those that are worth another thread's while: some 3 µs.
 const SHARED_BLOCKS: usize = 64;
 const MIN_BLOCKS: usize = 16;
