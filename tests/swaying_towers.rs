@@ -5,7 +5,7 @@ use longspan::{BodyDef, BodyId, Mass, Pose, Shape, ShapeDef, World, WorldDef};
 
 const GRAVITY: f64 = 9.81;
 
-/// Planks of one layer: their half width, length and place across, over `size`.
+/// How the planks of a layer lie.
 #[derive(Debug, Clone, Copy)]
 enum Layers {
     /// Three planks side by side, a millimetre apart.

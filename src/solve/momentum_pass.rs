@@ -64,7 +64,7 @@ pub(crate) struct MomentumPass {
     /// Island of each slot; of those after the last island, none.
     island: Vec<u32>,
     islands: Vec<StackIsland>,
-    /// Whether each is no tower.
+    /// Whether each is no tower, as several threads find it.
     others: Vec<AtomicBool>,
     /// By slot.
     activities: Vec<BodyActivity>,
@@ -112,7 +112,7 @@ struct StackIsland {
     is_young: bool,
     /// The pass knows contacts alone: a load that a joint takes would be handed down a second time.
     is_jointed: bool,
-    /// Whether all that bears in it stands, and nothing moves fast across gravity past what it touches.
+    /// Whether nothing in it moves fast across gravity past what it touches.
     is_tower: bool,
     levels: u32,
     slope: f64,
@@ -216,8 +216,7 @@ impl MomentumPass {
         }
     }
 
-    /// Finds the islands of which all that bears stands, and in which nothing moves faster than `limit` (m/s) across gravity past what it
-    /// touches.
+    /// Finds the islands in which nothing moves faster than `limit` (m/s) across gravity past what it touches.
     fn find_towers(&mut self, batch: &Batch, threads: &Workers, limit: f32) {
         let Self { islands, island, others, axes: [up, ..], .. } = self;
         others.clear();
