@@ -7,6 +7,9 @@ use crate::shape::{Geometry, Shape};
 /// How far a normal may lean from that of a flat face, or of a cylinder's side, and still be of it (squared sine).
 const LEAN: f32 = 1.0e-6;
 
+/// Squared sine of the angle between an edge and the axis of what lies along it, at most: by half of it the radius across the edge is off.
+const ALONG: f32 = 1.0e-2;
+
 /// The shape operator of the surface at the point `at` (m) with the outward unit normal, all in the shape's frame: by how much the
 /// normal turns per length along the surface (1/m). Zero on a flat face; none at edges and corners, on rims and on shapes of several
 /// parts.
@@ -48,6 +51,52 @@ pub(crate) fn normal_at(shape: &Shape, at: Vec3, outward: Vec3) -> Vec3 {
         _ => outward,
     };
     from.normalize()
+}
+
+/// Whether it is a box or a capsule, all of which lies within a radius of a box or of a line.
+pub(crate) fn is_block(shape: &Shape) -> bool {
+    matches!(shape.geometry(), Geometry::Box { .. } | Geometry::Capsule { .. })
+}
+
+/// Half sizes of that box, or line, and the radius about it (m).
+pub(crate) fn block_size(shape: &Shape) -> (Vec3, f32) {
+    match *shape.geometry() {
+        Geometry::Box { half_extents } => (half_extents, 0.0),
+        Geometry::Capsule { half_height, radius } => (Vec3::Y * half_height, radius),
+        _ => (Vec3::ZERO, 0.0),
+    }
+}
+
+/// The direction of the edge of a box that this outward unit normal is of, in the box's frame; none where it is that of a face or a corner.
+pub(crate) fn edge_of(shape: &Shape, outward: Vec3) -> Option<Vec3> {
+    let size = outward.abs();
+    if !matches!(shape.geometry(), Geometry::Box { .. }) || size.max_element().powi(2) >= 1.0 - LEAN {
+        return None;
+    }
+    let along = Vec3::AXES.into_iter().find(|axis| size.dot(*axis) == size.min_element())?;
+    (size.min_element().powi(2) < LEAN).then_some(along)
+}
+
+/// How round a shape is where it goes over a block.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RoundPart {
+    pub radius: f32,
+    /// Whether it is a ball about the middle of the shape, or else round about the inward normal.
+    pub is_ball: bool,
+}
+
+/// How round a shape is at the point `at` (m) with this outward unit normal, where it goes over a block, or over an edge of it in this direction, all
+/// in the shape's frame; none where it is not, or does not lie along the edge.
+pub(crate) fn radius_over(shape: &Shape, at: Vec3, outward: Vec3, edge: Option<Vec3>) -> Option<RoundPart> {
+    let lies = edge.is_some_and(|edge| edge.y * edge.y > 1.0 - ALONG && outward.y * outward.y < LEAN);
+    match *shape.geometry() {
+        Geometry::Ball { radius } => Some(RoundPart { radius, is_ball: true }),
+        Geometry::Capsule { half_height, radius } if at.y.abs() <= half_height && lies => {
+            Some(RoundPart { radius, is_ball: false })
+        }
+        Geometry::Cylinder { radius, .. } if lies => Some(RoundPart { radius, is_ball: false }),
+        _ => None,
+    }
 }
 
 fn round(outward: Vec3, radius: f32) -> Mat3 {

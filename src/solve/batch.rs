@@ -314,6 +314,11 @@ impl Batch {
         self.islands.len() == 1 && self.moving() >= mesh::MIN_BODIES
     }
 
+    /// Whether the host turns anything faster than this in it (rad/s).
+    pub(crate) fn is_turned_by(&self, speed: f32) -> bool {
+        self.velocities[self.moving() + 1..].iter().any(|velocity| velocity.angular.length_squared() > speed * speed)
+    }
+
     /// Whether bodies without joints may be solved as one: contacts are formed then.
     pub(crate) fn may_hold_rows(&mut self) -> bool {
         let end = self.moving() + 1;

@@ -1,9 +1,16 @@
-//! Which contacts of an island its joints may meet within a step, and how.
+//! Which contacts of an island may press within a step, and how.
 
 use super::StepSettings;
 use super::contact::ContactInput;
 use super::state::{BodyMotion, BodyVelocity};
-use crate::tuning::plan::HEAVY;
+use crate::tuning::plan::{BATTED, HEAVY};
+
+/// Whether one side of a contact, which the host moves, turns by more than [`BATTED`] across it in a step of `dt` (s).
+pub(super) fn is_batted(contact: &ContactInput, velocities: &[BodyVelocity], dt: f32) -> bool {
+    [contact.a, contact.b].into_iter().map(|slot| &velocities[slot as usize]).any(|velocity| {
+        velocity.turns_as_told() && velocity.angular.reject_from_normalized(contact.normal).length() * dt > BATTED
+    })
+}
 
 /// Whether a contact may close within a step of `dt` (s), at the speeds of now, what gravity and the host's forces add, and what springs do that
 /// make motions of this size (√J, see [`swing`](super::joint::swing)).

@@ -33,6 +33,7 @@ use crate::solve::state::WORLD_SLOT;
 use crate::solve::step::BatchStages;
 use crate::solve::taut_line::TautEntry;
 use crate::tight_vec::make_room;
+use crate::tuning::plan::BATTED;
 use crate::workers::Workers;
 use crate::world::support::told_by;
 
@@ -170,7 +171,9 @@ impl BatchInput<'_> {
         }
         self.replicate(batch);
         self.note_swung(batch);
-        if !batch.joints.slots.is_empty() || self.solver != Solver::GaussSeidel && batch.may_hold_rows() {
+        if !batch.joints.slots.is_empty()
+            || self.solver != Solver::GaussSeidel && (batch.is_turned_by(BATTED / self.dt) || batch.may_hold_rows())
+        {
             self.form_inputs(batch, threads);
         }
         self.list_joints(batch, threads);

@@ -74,6 +74,7 @@ mod refine;
 mod rejection_cache;
 mod rotor;
 mod rotors;
+pub(crate) mod round_on_block;
 mod row;
 mod self_stress;
 mod servo_loops;

@@ -4,6 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::curved_contacts::{Curved, CurvedPoint, change};
 use super::multistep::rotation_vector;
+use super::round_on_block::RoundOnBlock;
 use crate::solve::contact::{ContactInput, POINTS};
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
@@ -30,6 +31,8 @@ pub(crate) struct TrackedPoints {
     /// How far the body's points lie from the other's across the normal at the start of the step (m): those of two that meet later in it are of where
     /// they will.
     aside: DVec3,
+    /// The two where one is round and the other a block.
+    on_block: Option<RoundOnBlock>,
 }
 
 impl TrackedPoints {
@@ -43,12 +46,21 @@ impl TrackedPoints {
             other_lever: others[i].as_dvec3(),
             separation: if i < input.count { f64::from(input.separation[i]) } else { f64::INFINITY },
         });
-        Self { began, count: input.count, curved: None, aside: DVec3::ZERO }
+        Self { began, count: input.count, curved: None, aside: DVec3::ZERO, on_block: None }
     }
 
     /// Takes note of how far the body's points lie from the other's at the start of the step (m).
     pub(crate) fn lie(&mut self, offset: DVec3) {
         self.aside = offset.reject_from_normalized(self.normal());
+    }
+
+    /// Lets them follow what is round on a block.
+    pub(crate) fn go_over_block(&mut self, on_block: RoundOnBlock) {
+        self.on_block = Some(on_block);
+    }
+
+    pub(crate) fn are_on_block(&self) -> bool {
+        self.on_block.is_some()
     }
 
     /// Lets them follow surfaces with these shape operators in world axes, of the body and of the other (1/m); `reach` is how far they
@@ -107,9 +119,10 @@ impl TrackedPoints {
         let [own, other] = [own, other].map(|[now, began]| change(now, began));
         let turns = [own.1, other.1].map(rotation_vector);
         let mut spots = self.began;
-        for spot in &mut spots[..self.count] {
-            let curved = self.curved.and_then(|curved| curved.follow(spot, &own, &other));
-            *spot = curved.unwrap_or_else(|| {
+        for (number, spot) in spots[..self.count].iter_mut().enumerate() {
+            let passed = self.on_block.and_then(|on_block| on_block.follow(number, &own, &other));
+            let curved = || self.curved.and_then(|curved| curved.follow(spot, &own, &other));
+            *spot = passed.or_else(curved).unwrap_or_else(|| {
                 let moved = own.0 + turns[0].cross(spot.lever) - other.0 - turns[1].cross(spot.other_lever);
                 CurvedPoint { separation: spot.separation + spot.normal.dot(moved), ..*spot }
             });

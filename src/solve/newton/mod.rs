@@ -18,6 +18,7 @@ use glam::{DMat3, DVec3};
 use super::StepSettings;
 use super::contact::{ContactImpulses, ContactInput};
 use super::direct::body::DirectBody;
+use super::direct::round_on_block::RoundOnBlock;
 use super::joint::rows::ScalarRow;
 use super::joint::swing::most_swing;
 use super::joint::{JointEntry, JointLink};
@@ -85,6 +86,9 @@ pub(crate) trait IslandRecords {
     fn surfaces(&self, contact: u32) -> Option<Surfaces>;
     /// Where both surfaces are at the points of the contact of this number.
     fn tangency(&self, contact: u32) -> Tangency;
+
+    /// Both sides of the contact of this number, if one is round and the other a block.
+    fn on_block(&self, contact: u32) -> Option<RoundOnBlock>;
 
     /// How far the first point of a manifold on B is from that on A (m, world axes).
     fn offset(&self, contact: u32) -> DVec3;
@@ -207,7 +211,15 @@ impl Newton {
             let entry = records.joint(link);
             most_swing(&entry, &joints[entry.joint], (rates, moving), f64::from(settings.dt), asked)
         };
-        planner.plan(firsts, end, links, (rates, moving, contacts), (|link| records.is_anchor(link), stiffness, swing), settings);
+        let is_on_block = |contact| records.on_block(contact).is_some();
+        planner.plan(
+            firsts,
+            end,
+            links,
+            (rates, moving, contacts),
+            (|link| records.is_anchor(link), stiffness, swing, is_on_block),
+            settings,
+        );
         for (number, traits) in planner.coupled() {
             let last = firsts.get(number + 1).copied().unwrap_or(end);
             if *count == islands.len() {
@@ -271,6 +283,9 @@ fn take_in(
         patch.scale_impulses(f64::from(share));
         if !contact.presses() {
             patch.lie(records.offset(number as u32));
+        }
+        if let Some(on_block) = records.on_block(number as u32) {
+            patch.go_over_block(on_block);
         }
         // What no joint holds has been collided as it will stand when it presses.
         let is_jointed = [contact.a, contact.b].iter().any(|&slot| motions[slot as usize].jointed);

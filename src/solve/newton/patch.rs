@@ -8,15 +8,20 @@ use super::stiffness::Rolling;
 use super::term::{Law, Term};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::direct::curved_contacts::CurvedPoint;
+use crate::solve::direct::round_on_block::RoundOnBlock;
 use crate::solve::direct::tracked_points::{TrackedPoints, carry, middles, overlap, slip_of_turn, way};
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
+use crate::solve::rotation::rotated;
 
 /// Overlap that is left (m): what presses goes on to touch.
 const SLOP: f64 = 1.0e-5;
 
 /// Greatest speed at which an overlap is taken out (m/s).
 const MAX_RECOVERY: f64 = 4.8;
+
+/// Looks for the moment at which what is round comes to touch a block, at most: regula falsi leaves a thousandth of the way after three.
+const MEETINGS: usize = 6;
 
 /// A manifold as its island has it. Its normal points from A to B.
 #[derive(Debug, Clone, Copy)]
@@ -91,6 +96,48 @@ impl Patch {
         self.spots.lie(offset);
     }
 
+    /// Lets it follow what is round on a block.
+    pub(crate) fn go_over_block(&mut self, on_block: RoundOnBlock) {
+        self.spots.go_over_block(on_block);
+    }
+
+    /// Its points with the bodies where they come to touch first within a substep of length `h` (s), or are at its end if they do not. Separations are
+    /// those from which its rows lead there.
+    fn meet(&self, spots: &mut [CurvedPoint], (local_poses, began, rates): (&[LocalPose], &[LocalPose], &[Rate]), h: f64) {
+        let [a, b] = self.bodies;
+        let after = |t: f64| {
+            let moved = |body: usize| {
+                let ((place, rotation), rate) = (local_poses[body], &rates[body]);
+                [(place + rate.linear * t, rotated(rotation, rate.angular * t)), began[body]]
+            };
+            let [of_a, of_b] = [moved(a), moved(b)];
+            self.spots.at([&of_b[0], &of_b[1]], [&of_a[0], &of_a[1]])
+        };
+        let nearest = |spots: &[CurvedPoint]| spots.iter().fold(f64::INFINITY, |nearest, spot| nearest.min(spot.separation));
+        let count = self.spots.count;
+        let (mut apart, mut met) = ((0.0, nearest(spots)), (h, after(h)));
+        if apart.1 <= 0.0 {
+            return;
+        }
+        for _ in 0..MEETINGS {
+            let overlap = nearest(&met.1[..count]);
+            if overlap >= 0.0 {
+                break;
+            }
+            let t = apart.0 + (met.0 - apart.0) * apart.1 / (apart.1 - overlap);
+            let found = after(t);
+            match nearest(&found[..count]) {
+                next if next > SLOP => apart = (t, next),
+                _ => met = (t, found),
+            }
+        }
+        let speed_at = |body: usize, lever: DVec3| rates[body].linear + rates[body].angular.cross(lever);
+        for (spot, then) in spots.iter_mut().zip(&met.1[..count]) {
+            let opening = then.normal.dot(speed_at(b, then.lever) - speed_at(a, then.other_lever));
+            *spot = CurvedPoint { separation: then.separation - met.0 * opening, ..*then };
+        }
+    }
+
     /// Lets it follow surfaces that bend. Only a side that forces may turn rolls on the other.
     pub(crate) fn curve(&mut self, ([of_a, of_b], [reach_a, reach_b]): Surfaces, turns: [bool; 2]) {
         let normal = self.spots.normal();
@@ -143,7 +190,11 @@ impl Patch {
         let spots = &mut spots[..self.spots.count];
         let [a, b] = self.bodies.map(|body| [&local_poses[body], &began[body]]);
         // What follows surfaces has been followed up to now.
-        if self.spots.curved().is_none() {
+        if self.spots.are_on_block() {
+            if !self.presses() {
+                self.meet(spots, (local_poses, began, rates), h);
+            }
+        } else if self.spots.curved().is_none() {
             carry(spots, self.spots.aside(), [b, a].map(|[now, began]| way(now, began)));
         }
         let first = terms.len() as u32;

@@ -4,13 +4,16 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::BatchInput;
 use crate::body::BodyKind;
-use crate::collide::curvature::{normal_at, shape_operator, shape_operator_with_rims};
+use crate::collide::curvature::{
+    block_size, edge_of, is_block, normal_at, radius_over, shape_operator, shape_operator_with_rims,
+};
 use crate::settings::Solver;
 use crate::shape::Shape;
 use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, BatchManifolds};
 use crate::solve::body_flags::BodyFlags;
 use crate::solve::direct::BatchRecords;
+use crate::solve::direct::round_on_block::RoundOnBlock;
 use crate::solve::joint::{JointEntry, JointLink};
 use crate::solve::newton::{Contents, IslandRecords, Surfaces, Tangency};
 use crate::solve::state::WORLD_SLOT;
@@ -18,6 +21,9 @@ use crate::step_history::History;
 use crate::workers::Workers;
 use crate::world::islands::NO_BODY;
 use crate::world::substep_multiplier::is_smooth;
+
+/// How far an edge goes on of a block that something lies along (m).
+const FAR: f64 = 1.0e9;
 
 /// The records of what one batch has.
 struct Within<'a> {
@@ -76,6 +82,44 @@ impl IslandRecords for Within<'_> {
 
     fn offset(&self, contact: u32) -> DVec3 {
         Within::offset(self, contact)
+    }
+
+    fn on_block(&self, contact: u32) -> Option<RoundOnBlock> {
+        let (slot, manifold) = self.manifolds[contact as usize];
+        let pair = self.world.pairs.get(slot);
+        let (a, b) = pair.key.shapes();
+        let [a, b] = [a, b].map(|shape| &self.world.colliders[shape]);
+        let round_is_b = is_block(&a.shape);
+        if !round_is_b && !is_block(&b.shape) {
+            return None;
+        }
+        let manifold = pair.manifolds.get(manifold as usize);
+        let [to_a, to_b] = [a, b].map(|collider| collider.place.1);
+        let (along, seen_from_b) = (manifold.normal, to_b.conjugate() * (to_a * -manifold.normal));
+        let ((block, of_block), (round, of_round)) =
+            if round_is_b { ((a, along), (b, seen_from_b)) } else { ((b, seen_from_b), (a, along)) };
+        let edge = edge_of(&block.shape, of_block);
+        let across = edge.map(|edge| round.place.1.conjugate() * (block.place.1 * edge));
+        let on = |i: usize| manifold.points.get(i).map(|point| if round_is_b { point.on_b } else { point.on_a });
+        let radius = radius_over(&round.shape, on(0)?, of_round, across)?;
+        let centers = [round, block].map(|collider| self.world.center(collider.body));
+        let turned = round.place.1.as_dquat().normalize();
+        let middle = |at: Vec3| (at - of_round * radius.radius).as_dvec3();
+        let middles = std::array::from_fn(|i| match on(i) {
+            Some(at) if !radius.is_ball => round.place.0 - centers[0] + turned * middle(at),
+            _ => round.place.0 - centers[0],
+        });
+        let (half, bend) = block_size(&block.shape);
+        let endless = edge.filter(|_| !radius.is_ball).map_or(Vec3::ZERO, |edge| edge.abs());
+        Some(RoundOnBlock {
+            round_is_b,
+            radii: [f64::from(radius.radius), f64::from(bend)],
+            middles,
+            place: block.place.0 - centers[1],
+            rotation: block.place.1.as_dquat().normalize(),
+            half: half.as_dvec3() + endless.as_dvec3() * FAR,
+            apart: centers[0] - centers[1],
+        })
     }
 
     fn tangency(&self, contact: u32) -> Tangency {
