@@ -21,6 +21,9 @@ pub(crate) struct Factor {
     scaled: Vec<f64>,
     diagonal: Vec<Block>,
     inverse: Vec<Block>,
+    /// Panels and diagonal of the matrix that has been kept.
+    base_panels: Vec<f64>,
+    base_diagonal: Vec<Block>,
 }
 
 impl Factor {
@@ -40,10 +43,14 @@ impl Factor {
         &mut self.diagonal[node as usize]
     }
 
-    /// The block of two nodes, rows of `a` and columns of `b` given by `value`, grows by that.
-    pub(crate) fn add(&mut self, structure: &Elimination, a: u32, b: u32, value: impl Fn(usize, usize) -> f64) {
-        let (start, stride, in_order) = structure.block(a, b);
-        let [rows, columns] = [a, b].map(|node| usize::from(structure.sizes[node as usize]));
+    /// The block at this place (see [`Elimination::block`]), whose rows and columns are so many and given by `value`, grows by that.
+    #[inline(always)]
+    pub(crate) fn add(
+        &mut self,
+        (start, stride, in_order): (usize, usize, bool),
+        [rows, columns]: [usize; 2],
+        value: impl Fn(usize, usize) -> f64,
+    ) {
         let (lines, length) = if in_order { (rows, columns) } else { (columns, rows) };
         for line in 0..lines {
             let entries = &mut self.panels[start + line * stride..][..length];
@@ -51,6 +58,18 @@ impl Factor {
                 *entry += if in_order { value(line, at) } else { value(at, line) };
             }
         }
+    }
+
+    /// Keeps the matrix as it is, to begin again with it.
+    pub(crate) fn keep(&mut self) {
+        self.base_panels.clone_from(&self.panels);
+        self.base_diagonal.clone_from(&self.diagonal);
+    }
+
+    /// Begins again with the matrix that has been kept.
+    pub(crate) fn begin_again(&mut self) {
+        self.panels.clone_from(&self.base_panels);
+        self.diagonal.clone_from(&self.base_diagonal);
     }
 
     /// Factorises the matrix in place.
@@ -99,7 +118,7 @@ fn factorize_body(factor: &mut Factor, structure: &Elimination) {
 /// Inverts the pivot of a node of this size, in rows of `LINE`, and subtracts what it makes of the blocks below.
 #[inline(always)]
 fn eliminate<const SIZE: usize, const LINE: usize>(factor: &mut Factor, structure: &Elimination, node: u32) {
-    let Factor { panels, scaled, diagonal, inverse } = factor;
+    let Factor { panels, scaled, diagonal, inverse, .. } = factor;
     let layout = &structure.panels;
     let (start, rows) = (layout.starts[node as usize] as usize, layout.heights[node as usize] as usize);
     let own = &panels[start..start + rows * LINE];

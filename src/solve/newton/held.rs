@@ -174,6 +174,7 @@ impl JointSet {
         is_tried: bool,
     ) {
         let Self { entries, ends, rows, sources, asked, .. } = self;
+        problem.is_base_stale = true;
         let Problem { links, terms, factor, structure, masses, inverses, forces, unknowns, .. } = problem;
         let inverses = Inverses { masses, angular: inverses };
         let trial = ServoTrial { factor, structure, inverses, forces, joints: entries.len(), room: RefCell::new(unknowns) };
@@ -202,6 +203,7 @@ impl JointSet {
 
     /// Puts speeds of what is not moved by rows into the biases of all, and takes locked axes out of them.
     pub(super) fn mask(&self, problem: &mut Problem, bodies: &[DirectBody], rates: &[Rate]) {
+        problem.is_base_stale = true;
         for (link, ends) in problem.links.iter_mut().zip(&self.ends) {
             for side in 0..2 {
                 let (body, rate) = (&bodies[ends[side]], &rates[ends[side]]);
@@ -234,6 +236,7 @@ impl JointSet {
                 link.jacobian[side][..link.rows].iter_mut().for_each(|row| _ = settle_row(row, body, rate));
             }
         }
+        problem.is_base_stale = true;
         problem.forget_overlaps();
     }
 
@@ -261,7 +264,7 @@ impl JointSet {
             // What lies on something is to slide there.
             let rubs = |term: &&mut Term| matches!(term.law, Law::Leaning { .. });
             problem.terms.iter_mut().filter(rubs).for_each(|term| term.gain = [0.0; 2]);
-            problem.is_stale = true;
+            (problem.is_stale, problem.is_base_stale) = (true, true);
         }
         worst
     }

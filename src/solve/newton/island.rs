@@ -350,6 +350,7 @@ impl CoupledIsland {
         torques.clear();
         torques.resize(problem.masses.len(), DMat3::ZERO);
         problem.stiff.clear();
+        problem.is_base_stale = true;
         for ((number, rows), ends) in rows.iter().enumerate().zip(&*ends) {
             let link = &problem.links[number];
             let mut force = DVec3::ZERO;

@@ -31,6 +31,7 @@ use crate::tuning::plan::MAX_HALVINGS;
 use crate::workers::Workers;
 
 mod admm;
+mod assembly;
 mod bend;
 mod budget;
 mod elimination;

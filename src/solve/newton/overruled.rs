@@ -31,6 +31,7 @@ impl Problem {
         let give = if is_flung { OVERRULED_COMPLIANCE } else { GIVE };
         copy(&self.room.first_terms, &mut self.terms);
         Self::restore_impulses(&mut self.links, &self.room.first_impulses);
+        self.is_base_stale = true;
         let Self { links, terms, before, .. } = self;
         for link in links {
             for row in (0..link.rows).filter(|row| link.boundless & 1 << row != 0) {

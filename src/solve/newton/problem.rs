@@ -129,6 +129,8 @@ pub(crate) struct Problem {
     pub(super) room: Room,
     /// Whether the terms or the matrix have changed since the factorisation.
     pub(super) is_stale: bool,
+    /// Whether masses, links or what is stiff have changed since the part of the matrix that they make was kept.
+    pub(super) is_base_stale: bool,
     /// Inverse inertia of each body, with its damping.
     pub(super) inverses: Vec<glam::DMat3>,
     /// Forces on the bodies, for servos that ask (N, N·m).
@@ -205,6 +207,7 @@ impl Problem {
 
     /// Forms M v* + ½ K (v₀ + v̄).
     pub(crate) fn find_drive(&mut self) {
+        self.is_base_stale = true;
         let Self { drive, masses, free, before, stiff, .. } = self;
         drive.clear();
         drive.extend(masses.iter().zip(free.iter().zip(before.iter())).map(|(mass, (free, before))| {
@@ -241,53 +244,6 @@ impl Problem {
         }
     }
 
-    /// Fills and factorises the matrix, with the terms' G where `with_terms`.
-    pub(super) fn factorize(&mut self) {
-        let Self { masses, links, terms, stiff, structure, factor, .. } = self;
-        factor.start(structure);
-        for (number, mass) in masses.iter().enumerate() {
-            let block = factor.diagonal_mut(number as u32);
-            for i in 0..3 {
-                block[i][i] = mass.linear[i];
-                for j in 0..3 {
-                    block[3 + i][3 + j] = mass.angular[i][j] + mass.stiffness[i][j];
-                }
-            }
-        }
-        for (number, link) in links.iter().enumerate() {
-            let node = (masses.len() + number) as u32;
-            debug_assert!(link.rows <= usize::from(structure.sizes[node as usize]), "more rows than joints of its kind have");
-            let block = factor.diagonal_mut(node);
-            for row in 0..link.rows {
-                block[row][row] -= link.give[row] + link.proximity[row];
-            }
-            // Rows that the joint has at other times, not in this substep.
-            for row in link.rows..usize::from(structure.sizes[node as usize]) {
-                block[row][row] = -1.0;
-            }
-            for side in (0..2).filter(|&side| link.bodies[side] != FIXED && link.rows > 0) {
-                factor.add(structure, node, link.bodies[side], |row, column| link.jacobian[side][row][column]);
-            }
-        }
-        for stiff in stiff.iter() {
-            add_row(factor, structure, stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], stiff.gain);
-        }
-        for term in terms.iter() {
-            if term.rows == 1 {
-                let gain = term.gain[0] / term.compliance;
-                add_row(factor, structure, term.bodies, [&term.jacobian[0][0], &term.jacobian[1][0]], gain);
-                continue;
-            }
-            let [c, s] = term.slide;
-            for (turned, gain) in [([c, s], term.gain[0]), ([-s, c], term.gain[1])] {
-                let [a, b] = term.jacobian.map(|rows| combined(&rows, turned));
-                add_row(factor, structure, term.bodies, [&a, &b], gain / term.compliance);
-            }
-        }
-        factor.factorize(structure);
-        self.is_stale = false;
-    }
-
     /// Finds u of each term at a velocity.
     pub(super) fn find_speeds(&mut self) {
         let Self { terms, velocity, .. } = self;
@@ -311,6 +267,7 @@ impl Problem {
 
     /// Gives each joint row at least this compliance, over its own J M⁻¹ Jᵀ.
     pub(super) fn give_way(&mut self, give: f64) {
+        self.is_base_stale = true;
         for link in &mut self.links {
             for row in 0..link.rows {
                 link.give[row] = link.give[row].max(give / PROXIMITY * link.proximity[row]);
@@ -419,29 +376,5 @@ pub(super) fn push_along(bodies: [u32; 2], jacobian: [&Vector; 2], push: f64, re
 pub(super) fn push_term(term: &Term, impulse: [f64; 2], result: &mut [Vector]) {
     for row in 0..term.rows {
         push_along(term.bodies, [&term.jacobian[0][row], &term.jacobian[1][row]], impulse[row], result);
-    }
-}
-
-fn combined(rows: &[Vector; 2], [c, s]: [f64; 2]) -> Vector {
-    std::array::from_fn(|i| c * rows[0][i] + s * rows[1][i])
-}
-
-/// Adds gain × Jᵀ J.
-fn add_row(factor: &mut Factor, structure: &Elimination, bodies: [u32; 2], jacobian: [&Vector; 2], gain: f64) {
-    if gain == 0.0 {
-        return;
-    }
-    for side in (0..2).filter(|&side| bodies[side] != FIXED) {
-        let row = jacobian[side];
-        for (line, a) in factor.diagonal_mut(bodies[side]).iter_mut().zip(row) {
-            let scaled = gain * a;
-            for (entry, b) in line.iter_mut().zip(row) {
-                *entry += scaled * b;
-            }
-        }
-    }
-    if bodies[0] != FIXED && bodies[1] != FIXED {
-        let scaled = jacobian[0].map(|entry| gain * entry);
-        factor.add(structure, bodies[0], bodies[1], |i, j| scaled[i] * jacobian[1][j]);
     }
 }
