@@ -308,7 +308,7 @@ impl BatchStages {
             poses.each_single(threads, (velocities, motions), |velocity, motion| integrate::limit_speeds(velocity, motion));
         }
         poses.limit_speeds(threads, velocities);
-        self.contact_energy.note_energy(velocities, motions, poses);
+        self.contact_energy.note_energy(velocities, motions, poses, h);
         let (direct, context) = batch.direct_and_context(threads);
         direct.couple(joints, context, h, h * (substeps - substep) as f32);
         self.contact_energy.note_velocities(&batch.velocities);
