@@ -142,7 +142,8 @@ pub enum IslandPlan {
     /// Joints do more than hold points together, no motor holds a place, and masses are alike, in a tree that nothing fixed holds or a loop that
     /// does not stand: sweeps and direct solves carry loads between such bodies as well, for less.
     Alike,
-    /// Articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap.
+    /// Articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap. Not while what stands with loops, as a
+    /// vehicle on tracks, is still.
     Heaped = 7,
     /// A factor of it takes more work than the world's budget allows: see `ArticulationSettings::halving_budget`.
     Large,

@@ -107,6 +107,7 @@ mod swaying_towers;
 mod thrust;
 mod tipping;
 mod tops;
+mod tracked_vehicles;
 mod turning_points;
 mod unions;
 mod waking;

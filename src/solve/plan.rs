@@ -1,18 +1,18 @@
 //! Chooses the solver of each island, and gives the reason.
 
+mod find;
 mod island_traits;
 
-use glam::Vec3;
-
+use self::find::{count_articulations, find_standing, find_still, find_swings};
 pub(crate) use self::island_traits::FREE_FACTORS;
 use self::island_traits::{BorneTraits, IslandTraits, is_row, most_work};
 use super::StepSettings;
 use super::contact::ContactInput;
 use super::direct::stiffness::IMPLICIT_RANGE;
-use super::forest::{count_groups, join};
+use super::forest::join;
 use super::joint::JointLink;
-use super::meetings::{is_batted, may_meet};
-use super::stances::{Stances, is_slow, rests_sparsely};
+use super::meetings::is_batted;
+use super::stances::{Stances, rests_sparsely};
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::report::IslandPlan;
 use crate::settings::Solver;
@@ -33,7 +33,7 @@ pub(crate) struct Planner {
 impl Planner {
     /// Plans of islands that begin with these slots and end before `end`; `is_anchor` says whether an end of a joint is fixed or
     /// moved by the host, and `stiffness` how stiffly a force of 1 N in it turns its bodies in a substep (1/N), and what force it bore last
-    /// (N); and `swing` how much its springs may set going (√J).
+    /// (N); `swing` how much its springs may set going (√J), and `is_on_block` whether one side of the contact of this number is round and the other a block.
     pub(crate) fn plan(
         &mut self,
         firsts: &[u32],
@@ -109,6 +109,7 @@ impl Planner {
                 }
             }
         }
+        find_still(looks, (velocities, motions), settings.dt);
         find_swings(looks, (links, contacts), (velocities, motions), (island_of, swing), settings);
         count_articulations(looks, links, motions, island_of, (grouped, sizes));
         find_standing(looks, (velocities, motions, contacts), settings, island_of, stances);
@@ -168,83 +169,5 @@ impl Planner {
         islands
             .filter(|(_, (plan, _))| **plan == IslandPlan::Coupled)
             .map(|(number, (_, look))| (number, (look.is_looped, look.most_work)))
-    }
-}
-
-/// Counts contacts that close if springs throw what joints hold, where else it touches nothing: a spring that is drawn, and at rest, has no speed
-/// yet. `island_of` is the island of two slots.
-fn find_swings(
-    looks: &mut [IslandTraits],
-    (links, contacts): (&[JointLink], &[ContactInput]),
-    (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
-    (island_of, mut swing): (impl Fn([u32; 2]) -> Option<usize>, impl FnMut(&JointLink) -> f64),
-    settings: &StepSettings,
-) {
-    if !looks.iter().any(IslandTraits::asks_for_swing) {
-        return;
-    }
-    for link in links.iter().filter(|link| link.traits.has_springs) {
-        if let Some(number) = island_of([link.a, link.b]).filter(|&number| looks[number].asks_for_swing()) {
-            looks[number].borne.swing += swing(link);
-        }
-    }
-    for contact in contacts {
-        let Some(number) = island_of([contact.a, contact.b]) else { continue };
-        let look = &mut looks[number];
-        let swing = look.borne.swing as f32;
-        if swing > 0.0 && may_meet(contact, (velocities, motions), settings.dt, swing) {
-            look.count_contact(contact, velocities, motions, settings);
-        }
-    }
-}
-
-/// Counts the articulations of each island whose plan depends on it; `island_of` is the island of two slots.
-fn count_articulations(
-    looks: &mut [IslandTraits],
-    links: &[JointLink],
-    motions: &[BodyMotion],
-    island_of: impl Fn([u32; 2]) -> Option<usize>,
-    (grouped, sizes): (&mut Vec<u32>, &mut Vec<u32>),
-) {
-    if !looks.iter().any(IslandTraits::asks_for_groups) {
-        return;
-    }
-    grouped.clear();
-    grouped.extend(0..motions.len() as u32);
-    for link in links {
-        let slots = [link.a, link.b];
-        let moves = slots.iter().all(|&slot| motions[slot as usize].is_dynamic());
-        if moves && island_of(slots).is_some_and(|number| looks[number].asks_for_groups()) {
-            join(grouped, slots);
-        }
-    }
-    for look in looks.iter_mut().filter(|look| look.asks_for_groups()) {
-        look.articulations = count_groups(grouped, look.first..look.first + look.bodies, sizes);
-    }
-}
-
-/// Finds what bodies without joints stand on and lean against, where the plan depends on it; `island_of` is the island of two slots.
-fn find_standing(
-    looks: &mut [IslandTraits],
-    (velocities, motions, contacts): (&[BodyVelocity], &[BodyMotion], &[ContactInput]),
-    settings: &StepSettings,
-    island_of: impl Fn([u32; 2]) -> Option<usize>,
-    stances: &mut Stances,
-) {
-    for look in looks.iter_mut().filter(|look| look.joints == 0) {
-        let slots = look.first as usize..(look.first + look.bodies) as usize;
-        // What falls together rests against one another, too.
-        let may_bear = look.loose.is_pressed || is_slow(&velocities[slots.start], Vec3::ZERO);
-        look.loose.rests = may_bear && rests_sparsely(&velocities[slots.clone()], &motions[slots], look.borne.contacts);
-    }
-    if looks.iter().any(IslandTraits::asks_for_stances) {
-        let asks =
-            |contact: &&ContactInput| island_of([contact.a, contact.b]).is_some_and(|number| looks[number].asks_for_stances());
-        let asks_for_loads = looks.iter().any(IslandTraits::is_row);
-        stances.find(motions.len(), contacts.iter().filter(asks), settings.gravity, asks_for_loads);
-        for look in looks.iter_mut().filter(|look| look.asks_for_stances()) {
-            look.loose.standing = stances.of(look.first..look.first + look.bodies);
-            look.most_work = most_work(settings, look.leans_at_rest());
-        }
     }
 }

@@ -101,8 +101,9 @@ pub(super) struct IslandTraits {
     pub(super) inverse_masses: [f32; 2],
     pub(super) touches: bool,
     pub(super) borne: BorneTraits,
-    /// Whether what joints hold touches anything that is fixed or moved.
+    /// Whether what joints hold touches anything that is fixed or moved; and whether the bodies of such a loop do not move against one another.
     pub(super) stands: bool,
+    pub(super) is_still: bool,
     pub(super) rebounds: bool,
     /// Most multiplications that a factorisation may take: more where something presses that is [`HEAVY`](crate::tuning::plan::HEAVY) times what joints hold against it.
     pub(super) most_work: u64,
@@ -258,6 +259,8 @@ impl IslandTraits {
             Self { rebounds: true, .. } => IslandPlan::Coupled,
             _ if self.is_carrier() => IslandPlan::Apart,
             Self { touches: false, .. } if self.is_alike() => IslandPlan::Alike,
+            // Sweeps do not bear what is heavy on light links, and one factor a substep does while nothing moves.
+            Self { is_looped: true, stands: true, is_still: true, .. } => IslandPlan::Coupled,
             _ if self.is_heap() => IslandPlan::Heaped,
             Self { is_anchored: true, .. } | Self { is_looped: true, stands: true, .. } => IslandPlan::Coupled,
             // A foot under limbs that motors hold bears them all, as one under what is rigid.
