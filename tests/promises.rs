@@ -104,6 +104,7 @@ mod strides;
 mod struck_joints;
 mod support;
 mod swaying_towers;
+mod thin_sticks;
 mod thrust;
 mod tipping;
 mod tops;

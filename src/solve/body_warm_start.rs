@@ -43,8 +43,8 @@ impl BodyWarmStart {
     }
 
     /// Finds whether contacts alone act on the bodies of this batch, and all multipliers are carried on as they are: `sweeps_alone` says that no
-    /// other stage changes those of contacts.
-    pub(super) fn prepare(&mut self, batch: &Batch, sweeps_alone: bool) {
+    /// other stage changes those of contacts in substeps of length `h` (s). What is smeared is seen otherwise in each substep.
+    pub(super) fn prepare(&mut self, batch: &Batch, sweeps_alone: bool, h: f32) {
         self.is_on = batch.may_carry_changes()
             && !batch.contacts.is_empty()
             && batch.contacts.extras.is_empty()
@@ -52,7 +52,8 @@ impl BodyWarmStart {
             && batch.long_range.slots.is_empty()
             && batch.free.is_empty()
             && sweeps_alone
-            && batch.body_flags.iter().all(|role| !role.moves() || role.is_unlocked());
+            && batch.body_flags.iter().all(|role| !role.moves() || role.is_unlocked())
+            && !batch.velocities.iter().zip(&batch.motions).any(|(velocity, motion)| integrate::is_smeared(velocity, motion, h));
         if self.is_on {
             resize(&mut self.changes, batch.velocities.len(), Twist::default());
         }

@@ -211,13 +211,26 @@ pub(crate) fn skew(v: Vec3) -> Mat3 {
 /// answers to friction with all of its moment.
 fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32) {
     let axes = motion.rotation * motion.inertia_frame;
-    let turn = axes.conjugate() * (velocity.angular * h);
-    let squares = turn * turn;
-    let of_axes = Vec3::new(squares.y + squares.z, squares.z + squares.x, squares.x + squares.y);
-    let inertia = motion.inertia.max(motion.inertia.max_element() * of_axes.min(Vec3::ONE));
+    let inertia = smeared_inertia(velocity, motion, h);
     let tensor = crate::shape::inertia_tensor(1.0 / inertia, axes);
     velocity.inverse_inertia = Symmetric::from_mat3(held32(tensor, motion.free_rotation()));
     motion.turn_at_refresh = motion.turn;
+    motion.smeared = inertia != motion.inertia;
+}
+
+/// Principal moments of inertia that rows answer with in a substep of length `h` (kg·m²).
+fn smeared_inertia(velocity: &BodyVelocity, motion: &BodyMotion, h: f32) -> Vec3 {
+    let turn = (motion.rotation * motion.inertia_frame).conjugate() * (velocity.angular * h);
+    let squares = turn * turn;
+    let of_axes = Vec3::new(squares.y + squares.z, squares.z + squares.x, squares.x + squares.y);
+    motion.inertia.max(motion.inertia.max_element() * of_axes.min(Vec3::ONE))
+}
+
+/// Whether a body that goes on as it does has axes that a substep smears.
+pub(crate) fn is_smeared(velocity: &BodyVelocity, motion: &BodyMotion, h: f32) -> bool {
+    let way = velocity.angular.length_squared() * (h * h);
+    let may_be = motion.kind == MotionKind::Tumbling && motion.inertia.max_element() * way > motion.inertia.min_element();
+    may_be && smeared_inertia(velocity, motion, h) != motion.inertia
 }
 
 /// Keeps speeds within what the world allows.

@@ -41,6 +41,7 @@ mod recovery;
 mod rotation;
 pub(crate) mod round_contacts;
 pub(crate) mod slides;
+mod smeared_spins;
 mod stances;
 pub(crate) mod state;
 pub(crate) mod step;

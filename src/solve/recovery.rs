@@ -113,7 +113,8 @@ impl Recovery {
 }
 
 /// Moves a body out of what it is in. Where its angular velocity has more energy once it has been turned, that goes with it: of a rod that spins about
-/// its length a part would be across it, with a thousand times the inertia. What joints hold keeps it, which they would be pulled apart by.
+/// its length a part would be across it, with a thousand times the inertia. Where that is smeared by its turn it always does: such a part may as well take
+/// all that it has across. What joints hold keeps it, which they would be pulled apart by.
 fn push_out(push: &BodyVelocity, velocity: &mut BodyVelocity, motion: &mut BodyMotion) {
     let before = motion.rotation;
     motion.displace(push.linear, push.angular);
@@ -124,7 +125,7 @@ fn push_out(push: &BodyVelocity, velocity: &mut BodyVelocity, motion: &mut BodyM
         let spin = (rotation * motion.inertia_frame).conjugate() * velocity.angular;
         (motion.inertia * spin).dot(spin)
     };
-    if energy(motion.rotation) > energy(before) * TURNING_LET_BE {
+    if motion.smeared || energy(motion.rotation) > energy(before) * TURNING_LET_BE {
         velocity.angular = motion.free_rotation() * ((motion.rotation * before.conjugate()).normalize() * velocity.angular);
     }
 }

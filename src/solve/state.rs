@@ -141,6 +141,8 @@ pub(crate) struct BodyMotion {
     pub constraints: Constraints,
     /// Whether the world inertia was formed anew in this substep.
     pub refreshed: bool,
+    /// Whether an axis answers as heavier than it is, as a substep smears it.
+    pub smeared: bool,
     /// Whether the body is moved with seven others.
     pub in_lanes: bool,
     /// No rotation about these world axes.
@@ -203,6 +205,7 @@ impl BodyMotion {
         young: false,
         constraints: Constraints::None,
         refreshed: false,
+        smeared: false,
         in_lanes: false,
         locked_rotation: [false; 3],
         driven: false,

@@ -17,6 +17,7 @@ use super::joint_mesh::JointMesh;
 use super::momentum_pass::MomentumPass;
 use super::recovery::Recovery;
 use super::slides::Slides;
+use super::smeared_spins::SmearedSpins;
 use super::yielding_motors::YieldingMotors;
 use super::{StepSettings, contact_kernels, integrate, parallel_contacts};
 use crate::id::{JointId, Pool};
@@ -40,6 +41,7 @@ pub(crate) struct BatchStages {
     pub contact_energy: ContactEnergy,
     load_release: LoadRelease,
     followed: FollowedVelocities,
+    smeared: SmearedSpins,
     impacts: Impacts,
     closing: JointClosing,
     pub slides: Slides,
@@ -94,7 +96,7 @@ impl BatchStages {
         self.followed.begin_step(batch.direct.left(&batch.joints.links), &batch.islands, &batch.motions);
         self.contact_energy.lay_out(&self.joint_energy, &batch.velocities, &batch.motions);
         self.joint_mesh.prepare(batch, threads, self.joint_energy.slots().next().is_some());
-        self.body_warm_start.prepare(batch, self.momentum_pass.is_idle() && self.contact_newton.is_idle());
+        self.body_warm_start.prepare(batch, self.momentum_pass.is_idle() && self.contact_newton.is_idle(), h);
         self.impacts.prepare(&batch.contacts);
     }
 
@@ -122,10 +124,12 @@ impl BatchStages {
         let is_mesh = self.joint_mesh.is_one();
         let is_weighed = is_mesh && self.joint_mesh.solve(batch, self.joint_energy.noted(), threads, h);
         if !is_mesh {
+            self.smeared.show(&mut batch.velocities, |_| true);
             self.sweep_all(batch, joints, threads, h, settings.iterations, substep);
+            self.smeared.give_back(&mut batch.velocities, |_| true);
         }
         self.joint_energy.restrain(batch, joints, threads, is_weighed);
-        self.contact_energy.dissipate(batch, threads, settings.iterations);
+        self.contact_energy.dissipate(batch, threads, settings.iterations, &self.smeared);
         if substep == 0 {
             self.load_release.solve_anew(batch, threads, settings.iterations);
             batch.half_steps.halve_start(self.joint_energy.slots(), &mut batch.velocities);
@@ -135,7 +139,7 @@ impl BatchStages {
         if is_last {
             batch.planes.fit_velocities(&mut batch.velocities, &batch.motions, &batch.poses, h);
         }
-        self.impacts.find(batch, settings.restitution_threshold);
+        self.impacts.find(batch, &self.smeared, settings.restitution_threshold, h);
         self.advance(batch, threads, h);
         self.followed.mark(&batch.motions);
         if !is_mesh {
@@ -281,6 +285,7 @@ impl BatchStages {
         substeps: u32,
     ) {
         if self.body_warm_start.is_on() {
+            self.smeared.find(false, &batch.velocities, &batch.motions);
             if self.body_warm_start.apply_forces(batch, threads, h, substep == 0) {
                 parallel_contacts::refresh_masses(&mut batch.contacts, threads, &batch.velocities, &batch.motions);
             }
@@ -290,11 +295,15 @@ impl BatchStages {
         let is_noted = !batch.free.is_empty();
         // What joints hold may be refreshed elsewhere.
         let refreshes = AtomicBool::new(!batch.joints.slots.is_empty());
+        let smears = AtomicBool::new(false);
         let Batch { poses, velocities, motions, .. } = batch;
         poses.each_single(threads, (velocities, motions), |velocity, motion| {
             integrate::apply_forces(velocity, motion, h);
             if motion.refreshed {
                 refreshes.store(true, Ordering::Relaxed);
+            }
+            if motion.smeared {
+                smears.store(true, Ordering::Relaxed);
             }
             if !is_noted {
                 integrate::limit_speeds(velocity, motion);
@@ -312,6 +321,7 @@ impl BatchStages {
         let (direct, context) = batch.direct_and_context(threads);
         direct.couple(joints, context, h, h * (substeps - substep) as f32);
         self.contact_energy.note_velocities(&batch.velocities);
+        self.smeared.find(smears.into_inner(), &batch.velocities, &batch.motions);
         if !batch.contacts.is_empty() && refreshes.into_inner() && batch.motions.iter().any(|motion| motion.refreshed) {
             parallel_contacts::refresh_masses(&mut batch.contacts, threads, &batch.velocities, &batch.motions);
         }

@@ -36,6 +36,7 @@ use glam::DVec3;
 use super::batch::Batch;
 use super::contact::LANES;
 use super::joint_energy::{JointEnergy, put_back_unmoved};
+use super::smeared_spins::SmearedSpins;
 use super::state::{BodyMotion, BodyVelocity};
 use super::wide_bodies::WideBodies;
 use crate::tuning::energy::{AFRESH, TORN};
@@ -338,7 +339,7 @@ impl ContactEnergy {
 
     /// Solves the substep once more for islands that the sweeps have given energy, without what was carried, and slows those that
     /// have been given some even then.
-    pub(crate) fn dissipate(&mut self, batch: &mut Batch, threads: &Workers, iterations: u32) {
+    pub(crate) fn dissipate(&mut self, batch: &mut Batch, threads: &Workers, iterations: u32, smeared: &SmearedSpins) {
         if self.islands.is_empty() {
             return;
         }
@@ -348,7 +349,7 @@ impl ContactEnergy {
         }
         self.weigh(threads, &batch.velocities, &batch.motions, &mut batch.poses);
         if self.islands.iter().any(SweptIsland::is_to_be_solved_afresh) {
-            self.solve_afresh(batch, iterations);
+            self.solve_afresh(batch, iterations, smeared);
             self.find_work(batch);
             self.weigh(threads, &batch.velocities, &batch.motions, &mut batch.poses);
         }

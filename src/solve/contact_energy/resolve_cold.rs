@@ -8,6 +8,7 @@ use super::super::contact::LANES;
 use super::super::contact_block::{ContactBlock, ContactBlocks};
 use super::super::joint_energy::put_back_unmoved;
 use super::super::parallel_contacts;
+use super::super::smeared_spins::SmearedSpins;
 use super::super::state::WORLD_SLOT;
 use super::{ContactEnergy, SweptIsland};
 use crate::workers::Workers;
@@ -86,7 +87,7 @@ impl ColdSolve {
 
 impl ContactEnergy {
     /// Solves the substep once more for the islands that have gained too much.
-    pub(super) fn solve_afresh(&mut self, batch: &mut Batch, iterations: u32) {
+    pub(super) fn solve_afresh(&mut self, batch: &mut Batch, iterations: u32, smeared: &SmearedSpins) {
         let (alone, moving) = (Workers::default(), batch.moving());
         let Self { islands, before, cold_solve, .. } = self;
         let Batch { velocities, motions, contacts, direct, .. } = batch;
@@ -94,6 +95,7 @@ impl ContactEnergy {
         cold_solve.choose(chosen(), velocities.len());
         chosen().for_each(|slots| velocities[slots.clone()].copy_from_slice(&before[slots]));
         put_back_unmoved(velocities, motions, before);
+        smeared.show(velocities, |slot| cold_solve.slots[slot]);
         cold_solve.take(contacts);
         direct.drop_impulses(&cold_solve.slots);
         for iteration in 0..iterations {
@@ -105,6 +107,7 @@ impl ContactEnergy {
                 direct.sweep_on(&cold_solve.slots, velocities);
             }
         }
+        smeared.give_back(velocities, |slot| cold_solve.slots[slot]);
         cold_solve.give_back(contacts);
     }
 }
