@@ -35,6 +35,7 @@ mod flush_floors;
 mod fracture;
 mod free_turns;
 mod grooves;
+mod heavy_on_light;
 mod held_torques;
 mod held_units;
 mod hinge_planes;

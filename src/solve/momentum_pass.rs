@@ -39,13 +39,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 
+use super::StepSettings;
 use super::batch::Batch;
 use super::contact::{LANES, tangents};
+use super::contact_newton::choose::left_by_sweeps;
 use super::contact_partition::BlockRange;
 use super::parallel_contacts;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::tight_vec::resize;
-use crate::tuning::stacks::{MIN_LEVELS, SIDEWAYS_TIME, WORTHWHILE_SHARE};
+use crate::tuning::stacks::{MIN_LEVELS, MIN_UNEVEN_LEVELS, SIDEWAYS_TIME, WORTHWHILE_SHARE};
+use crate::tuning::uneven::LEFT;
 use crate::workers::Workers;
 use changes::LaneChanges;
 use order::Order;
@@ -79,6 +82,7 @@ struct BodyActivity {
     is_steady: bool,
     is_young: bool,
     is_jointed: bool,
+    mass: f64,
     worthwhile: f64,
 }
 
@@ -96,6 +100,7 @@ impl BodyActivity {
             is_steady: motion.steady,
             is_young: motion.young,
             is_jointed: motion.jointed,
+            mass,
             worthwhile: WORTHWHILE_SHARE * 0.5 * mass * gained * gained,
         }
     }
@@ -114,6 +119,8 @@ struct StackIsland {
     is_jointed: bool,
     /// Whether nothing in it moves fast across gravity past what it touches.
     is_tower: bool,
+    /// Whether masses in it differ so much that sweeps carry little of a load through two storeys.
+    is_uneven: bool,
     levels: u32,
     slope: f64,
     curvature: f64,
@@ -134,7 +141,7 @@ impl StackIsland {
     }
 
     fn is_useful(&self) -> bool {
-        self.may_be_useful() && self.levels >= MIN_LEVELS
+        self.may_be_useful() && self.levels >= if self.is_uneven { MIN_UNEVEN_LEVELS } else { MIN_LEVELS }
     }
 
     /// Share of the changes at which the energy is least; written so that what is not a number changes nothing.
@@ -163,14 +170,15 @@ impl MomentumPass {
         self.island.clear();
     }
 
-    /// Lists the stacks of the step.
-    pub(crate) fn prepare(&mut self, batch: &Batch, threads: &Workers, gravity: Vec3, h: f32) {
+    /// Lists the stacks of a step with substeps of this length (s).
+    pub(crate) fn prepare(&mut self, batch: &Batch, threads: &Workers, settings: &StepSettings, h: f32) {
         self.clear();
+        let StepSettings { gravity, iterations, .. } = *settings;
         let Some(up) = (-gravity).try_normalize() else { return };
         let (u, v) = tangents(up);
         self.axes = [up, u, v];
         let limit = SIDEWAYS_TIME * gravity.length();
-        self.find_slow_islands(batch, threads, limit, h);
+        self.find_slow_islands(batch, threads, limit, h, iterations);
         self.find_towers(batch, threads, limit);
         if self.islands.iter().any(StackIsland::may_be_useful) {
             self.list_stands(batch, threads);
@@ -187,7 +195,7 @@ impl MomentumPass {
         self.island.get(slot).and_then(|&island| self.islands.get(island as usize)).is_none_or(|island| island.is_slow)
     }
 
-    fn find_slow_islands(&mut self, batch: &Batch, threads: &Workers, limit: f32, h: f32) {
+    fn find_slow_islands(&mut self, batch: &Batch, threads: &Workers, limit: f32, h: f32, sweeps: u32) {
         let Self { islands, island, activities, axes: [up, ..], .. } = self;
         islands.resize(batch.islands.len(), StackIsland { is_slow: true, is_steady: true, ..StackIsland::default() });
         island.resize(batch.velocities.len(), NO_ISLAND);
@@ -202,6 +210,7 @@ impl MomentumPass {
         for (number, &first) in batch.islands.iter().enumerate() {
             let next = batch.islands.get(number + 1).map_or(activities.len(), |&next| next as usize);
             let own = &mut islands[number];
+            let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
             for (activity, island) in activities[first as usize..next].iter().zip(&mut island[first as usize..next]) {
                 if activity.is_dynamic {
                     *island = number as u32;
@@ -210,9 +219,11 @@ impl MomentumPass {
                     own.is_young |= activity.is_young;
                     own.is_jointed |= activity.is_jointed;
                     own.worthwhile += activity.worthwhile;
+                    (least, most) = (least.min(activity.mass), most.max(activity.mass));
                 }
             }
             own.is_steady &= own.is_slow;
+            own.is_uneven = left_by_sweeps(most / least, sweeps) > LEFT;
         }
     }
 

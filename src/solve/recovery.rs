@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::Quat;
 
 use super::batch::Batch;
+use super::contact_newton::ContactNewton;
 use super::direct::SolveContext;
 use super::state::{BodyMotion, BodyVelocity, MotionKind};
 use super::wide_bodies::TURNING_LET_BE;
@@ -34,7 +35,7 @@ pub(super) struct Recovery {
 
 impl Recovery {
     /// Takes overlaps out of the positions of a batch.
-    pub(super) fn recover_positions(&mut self, batch: &mut Batch, threads: &Workers, dt: f32) {
+    pub(super) fn recover_positions(&mut self, batch: &mut Batch, newton: &mut ContactNewton, threads: &Workers, dt: f32) {
         let begins_at_once = batch.contacts.len() >= LONG_LIST;
         let deepest = if begins_at_once {
             self.begin_pushes(batch);
@@ -61,6 +62,7 @@ impl Recovery {
             self.yield_to_pushes(batch, threads);
             self.recover(batch, threads, &jointed, dt);
         }
+        newton.recover(batch, &mut self.pushes, dt);
         let (Self { pushes }, Batch { velocities, motions, .. }) = (self, batch);
         let piece = if threads.has_team() { threads.piece(motions.len(), SHARED_BODIES) } else { motions.len() };
         let bodies = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece));

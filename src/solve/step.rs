@@ -76,7 +76,7 @@ impl BatchStages {
         // What it says of the bodies is stored with them, and asked of those without joints.
         match batch.motions[1..].iter().all(|motion| motion.jointed) {
             true => self.momentum_pass.clear(),
-            false => self.momentum_pass.prepare(batch, threads, settings.gravity, h),
+            false => self.momentum_pass.prepare(batch, threads, settings, h),
         }
         self.joint_mesh.clear();
         batch.residuals.penetration = batch.direct.penetration().max(batch.newton.penetration()) as f32;
@@ -86,8 +86,8 @@ impl BatchStages {
     /// Prepares whatever acts on the bodies of the batch, for all substeps.
     fn begin_step(&mut self, batch: &mut Batch, threads: &Workers, settings: &StepSettings, h: f32) {
         self.initial_impulses.start_contacts(batch, threads, settings.gravity, h);
-        self.momentum_pass.prepare(batch, threads, settings.gravity, h);
-        self.contact_newton.prepare(batch, settings.gravity, h);
+        self.momentum_pass.prepare(batch, threads, settings, h);
+        self.contact_newton.prepare(batch, settings.gravity, h, settings.iterations);
         batch.lay_out_bounds(h);
         batch.mark_falling();
         batch.poses.lay_out(threads, (&batch.velocities, &mut batch.motions), &batch.body_flags, h);
@@ -175,7 +175,7 @@ impl BatchStages {
         self.rebound(batch, settings.restitution_threshold, h);
         batch.place_round_contacts();
         self.slides.find(&batch.contacts, &batch.velocities, &batch.motions, (h, settings.substeps), threads);
-        self.recovery.recover_positions(batch, threads, settings.dt);
+        self.recovery.recover_positions(batch, &mut self.contact_newton, threads, settings.dt);
         self.settle(batch, joints, threads, true);
         let Batch { half_steps, velocities, motions, .. } = batch;
         half_steps.tell(self.joint_energy.slots(), velocities, motions);

@@ -20,7 +20,7 @@ use super::state::{BodyMotion, BodyVelocity};
 use super::status::{ContactStatus, StatusThresholds};
 use crate::platform::in_lanes;
 
-pub(crate) use recover::RECOVERY_SWEEPS;
+pub(crate) use recover::{RECOVERY_SWEEPS, asked_by_recovery};
 
 in_lanes!(
     /// Forms the effective masses of a block from the bodies' inertia of now.

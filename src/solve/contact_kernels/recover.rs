@@ -21,6 +21,14 @@ pub(super) const MAX_RECOVERY_SPEED: f32 = 0.9;
 /// Sweeps of position recovery in a step.
 pub(crate) const RECOVERY_SWEEPS: usize = 2;
 
+/// How far the surfaces at a point with this separation (m) may come together, if not negative, or are to come apart in a step (m).
+pub(crate) fn asked_by_recovery(separation: f32, dt: f32) -> f32 {
+    match separation {
+        s if s < -NEGLIGIBLE_OVERLAP => (RECOVERY_SHARE * s).max(-MAX_RECOVERY_SPEED * dt),
+        s => s.max(0.0),
+    }
+}
+
 #[inline(always)]
 pub(super) fn restitute<W: Wide>(contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32) {
     let ContactBlocks { blocks, faces, extras, .. } = contacts;

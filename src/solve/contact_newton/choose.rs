@@ -9,9 +9,7 @@ use crate::solve::contact::LANES;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::tuning::blows::{SLIGHT, STRUCK};
 use crate::tuning::needles::NEEDLE;
-
-/// Ratio of the heaviest body's mass to the lightest's from which sweeps are too slow.
-const HEAVY_RATIO: f64 = 100.0;
+use crate::tuning::uneven::{LEFT, LEFT_WHILE_MOVING};
 
 /// Most bodies and manifolds of an island that is solved here: more take longer than they are worth.
 const MAX_BODIES: usize = 16;
@@ -26,8 +24,8 @@ const MAX_STRIKES: usize = 16;
 const MIN_RISE: f64 = 0.3;
 
 impl ContactNewton {
-    /// Finds the islands that need it, and their rows; `h` is the substep (s).
-    pub(crate) fn prepare(&mut self, batch: &Batch, gravity: Vec3, h: f32) {
+    /// Finds the islands that need it, and their rows; `h` is the substep (s), in which contacts are swept so many times.
+    pub(crate) fn prepare(&mut self, batch: &Batch, gravity: Vec3, h: f32, sweeps: u32) {
         self.islands.clear();
         self.bodies.clear();
         self.contacts.clear();
@@ -45,11 +43,12 @@ impl ContactNewton {
             let (velocities, motions) = (&batch.velocities[slots.clone()], &batch.motions[slots.clone()]);
             let Some(ratio) = mass_ratio(velocities, motions) else { continue };
             // What is hit at its rim turns many times in a substep: its blows are no problem of one instant.
-            if ratio < HEAVY_RATIO && motions.iter().any(is_needle) {
+            let left = left_by_sweeps(ratio, sweeps);
+            if left <= LEFT_WHILE_MOVING && motions.iter().any(is_needle) {
                 continue;
             }
             let is_fast = is_fast(velocities, motions, blow);
-            if ratio >= HEAVY_RATIO || is_fast || is_pushed {
+            if left > LEFT || is_fast || is_pushed {
                 self.enlist(batch, slots, is_fast);
             }
         }
@@ -66,9 +65,10 @@ impl ContactNewton {
         };
         islands.retain_mut(|island| {
             let (bodies, contacts) = (&bodies[island.bodies()], &contacts[island.contacts()]);
-            island.is_uneven = carries_heavy(bodies, contacts, up, above);
             let strikes = || island.is_fast || contacts.iter().any(pushes);
             let is_small = bodies.len() <= MAX_STRIKING && contacts.len() <= MAX_STRIKES;
+            let most_left = if is_small || !island.is_fast { LEFT } else { LEFT_WHILE_MOVING };
+            island.is_uneven = left_by_sweeps(carried_ratio(bodies, contacts, up, above), sweeps) > most_left;
             contacts.len() <= MAX_CONTACTS && (island.is_uneven || is_small && strikes())
         });
     }
@@ -158,8 +158,15 @@ fn is_fast(velocities: &[BodyVelocity], motions: &[BodyMotion], blow: f32) -> bo
     })
 }
 
-/// Whether anything that is [`HEAVY_RATIO`] times heavier stands on a body, over however many others.
-fn carries_heavy(bodies: &[ExactBody], contacts: &[NewtonContact], up: Vec3, above: &mut Vec<f64>) -> bool {
+/// Share of an error in the load of a body that so many sweeps leave under one that is `ratio` times heavier. One that visits the contact
+/// between them takes back what that below has given, but for the lighter body's share of both masses.
+pub(in crate::solve) fn left_by_sweeps(ratio: f64, sweeps: u32) -> f64 {
+    let by_one = ratio / (1.0 + ratio);
+    (0..sweeps).fold(1.0, |left, _| left * by_one)
+}
+
+/// How many times heavier than a body at most something is that stands on it, over however many others.
+fn carried_ratio(bodies: &[ExactBody], contacts: &[NewtonContact], up: Vec3, above: &mut Vec<f64>) -> f64 {
     above.clear();
     above.resize(bodies.len(), 0.0);
     for _ in 0..bodies.len() {
@@ -178,5 +185,5 @@ fn carries_heavy(bodies: &[ExactBody], contacts: &[NewtonContact], up: Vec3, abo
             break;
         }
     }
-    bodies.iter().zip(above).any(|(body, above)| *above >= HEAVY_RATIO * body.mass)
+    bodies.iter().zip(above).fold(0.0_f64, |most, (body, above)| most.max(*above / body.mass))
 }

@@ -1,4 +1,4 @@
-//! Newton's method on the contacts of small islands in which heavy bodies stand on light ones, or bodies strike one another.
+//! Newton's method on the contacts of small islands in which heavier bodies stand on lighter ones, or bodies strike one another.
 //!
 //! A sweep passes a load on by one contact at a time, and a light body under a heavy one takes as many sweeps as the ratio of their
 //! masses: at 1:10,000 a stack of ten still leans 7 % too fast after 64 substeps of 16 sweeps. A blow on what lies on something else is
@@ -12,13 +12,14 @@
 //! their loads, until the rows' rates say that compliance no longer shows.
 //!
 //! It comes before the sweeps of a substep, which then find nothing to do; it changes nothing if it did not converge or would leave
-//! more kinetic energy than the bodies had before any contact acted. What carries no heavy body is solved in substeps with a blow alone. From
-//! such a substep contacts carry on what would hold the bodies in the next, which is found in the same way.
+//! more kinetic energy than the bodies had before any contact acted. What carries nothing heavier is solved in substeps with a blow alone. From
+//! such a substep contacts carry on what would hold the bodies in the next, which is found in the same way. [`overlaps`] takes overlaps out so.
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over rows of several arrays alike")]
 
-mod choose;
+pub(super) mod choose;
 mod envelope;
+mod overlaps;
 mod rows;
 
 use glam::DVec3;
@@ -92,7 +93,7 @@ struct ContactIsland {
     ratio: f64,
     /// Whether any of its bodies moves fast enough to strike.
     is_fast: bool,
-    /// Whether anything heavy stands on something light in it, so that it is solved in every substep.
+    /// Whether something so much heavier stands on a light body in it that sweeps are too slow: it is solved in every substep.
     is_uneven: bool,
     /// Whether this substep has solved a blow.
     is_struck: bool,
@@ -409,10 +410,8 @@ impl ContactNewton {
     }
 
     fn store_velocities(&self, batch: &mut Batch, island: &ContactIsland) {
-        for (body, &[x, y, z, u, v, w]) in self.bodies[island.bodies()].iter().zip(&self.now) {
-            let velocity = &mut batch.velocities[body.slot as usize];
-            velocity.linear = DVec3::new(x, y, z).as_vec3();
-            velocity.angular = DVec3::new(u, v, w).as_vec3();
+        for (body, now) in self.bodies[island.bodies()].iter().zip(&self.now) {
+            set(&mut batch.velocities[body.slot as usize], now);
         }
     }
 }
@@ -430,6 +429,11 @@ impl ContactIsland {
 fn six(velocity: &BodyVelocity) -> Six {
     let (v, w) = (velocity.linear.as_dvec3(), velocity.angular.as_dvec3());
     [v.x, v.y, v.z, w.x, w.y, w.z]
+}
+
+fn set(velocity: &mut BodyVelocity, &[x, y, z, u, v, w]: &Six) {
+    velocity.linear = DVec3::new(x, y, z).as_vec3();
+    velocity.angular = DVec3::new(u, v, w).as_vec3();
 }
 
 /// Greatest speed at which a contact closes in that passes the blow on, if any does so at more than `blow` (m/s): a sweep stops what strikes

@@ -65,10 +65,9 @@ struct FoundFor {
 
 impl FoundFor {
     fn is(&self, island: &[u32], islands: &[StackIsland], threads: &Workers) -> bool {
-        let are_asked = islands.iter().map(StackIsland::may_be_useful);
-        self.places == places_of(threads)
-            && self.island == island
-            && self.islands.iter().map(StackIsland::may_be_useful).eq(are_asked)
+        let asked = |island: &StackIsland| (island.may_be_useful(), island.is_uneven);
+        let are_asked = islands.iter().map(asked);
+        self.places == places_of(threads) && self.island == island && self.islands.iter().map(asked).eq(are_asked)
     }
 
     fn set(&mut self, island: &[u32], islands: &[StackIsland], threads: &Workers) {
