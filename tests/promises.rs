@@ -105,6 +105,7 @@ mod strides;
 mod struck_joints;
 mod support;
 mod swaying_towers;
+mod swings_on_lines;
 mod thin_sticks;
 mod thrust;
 mod tipping;

@@ -388,9 +388,7 @@ impl CoupledIsland {
                 }
             }
         }
-        if !*is_looped {
-            problem.leave_resolved_lines();
-        }
+        problem.leave_resolved_lines();
         steady.clear();
         steady.resize(problem.masses.len(), (DVec3::ZERO, 0.0));
         for patch in &*patches {

@@ -343,6 +343,11 @@ impl Patch {
         self.normal.iter().any(|&lambda| lambda > 0.0)
     }
 
+    /// Whether any of its points presses as far as the next step is told: what is below the least number of single precision is carried as none.
+    pub(crate) fn goes_on_pressing(&self) -> bool {
+        self.impulses().normal.iter().any(|&lambda| lambda > 0.0)
+    }
+
     /// Multipliers in the manifold's own terms.
     pub(crate) fn impulses(&self) -> ContactImpulses {
         let mut normal = [0.0; POINTS];

@@ -3,8 +3,11 @@
 //! A substep kicks velocities by the whole of what forces do in it and then moves bodies by them: what joints lead goes as by the leapfrog,
 //! whose velocities are those of half a substep before. That holds their energy, but other solvers take velocities for those of now: what swings
 //! up is told ½ h v·a too much, and where it leaves for them it keeps that. So where nothing presses and joints are rigid, the first substep kicks
-//! by half, and the step ends with the other half and a projection on the joints as they are then. While something presses the velocities stay
-//! those of half a substep before: impulses of contacts have no halves.
+//! by half, and the step ends with the other half and a projection on the joints as they are then: of ropes and stops on those that have borne
+//! something, on no contact. While a contact presses the velocities stay those of half a substep before: its impulses have no halves.
+//!
+//! Whether one does is asked of the same impulses at the end of a step and at the start of the next, as the world carries them: what is told as of the
+//! end and taken as of half a substep before has half a kick less.
 
 use super::fall::IslandBodies;
 use super::held::rate_of;
@@ -12,7 +15,7 @@ use super::island::CoupledIsland;
 use super::passes::MAX_FACTORS;
 use super::patch::Patch;
 use super::problem::Problem;
-use super::term::FIXED;
+use super::term::{FIXED, Law, Term};
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 
@@ -24,7 +27,7 @@ const FALLING_SHARES: [f64; 2] = [1.0, 0.0];
 impl CoupledIsland {
     /// Whether joints lead bodies by surfaces of which none presses, as the step begins or ends. Where there are none the island goes on being solved so.
     pub(super) fn is_unpressed(&self) -> bool {
-        !self.held.entries.is_empty() && !self.patches.is_empty() && !self.patches.iter().any(Patch::presses)
+        !self.held.entries.is_empty() && !self.patches.is_empty() && !self.patches.iter().any(Patch::goes_on_pressing)
     }
 
     /// Takes the forces' share of the step's first substep.
@@ -35,7 +38,7 @@ impl CoupledIsland {
         }
     }
 
-    /// Brings velocities from the middle of the last substep, of length `h` (s), to its end. They stay as they are if something is pressed by it.
+    /// Brings velocities from the middle of the last substep, of length `h` (s), to its end.
     pub(super) fn end_in_phase(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64) {
         self.build(joints, h, [left, left]);
         if !self.problem.is_passive(self.held.sources.len()) {
@@ -43,10 +46,10 @@ impl CoupledIsland {
         }
         let share = self.shares()[1];
         self.kick_by([share, 0.0]);
+        self.problem.leave_out_what_is_open(self.held.sources.len());
         self.problem.solve(MAX_FACTORS);
         let Self { problem, bodies, rates, held, .. } = self;
-        let is_finite = problem.velocity.iter().flatten().all(|value| value.is_finite());
-        if !is_finite || problem.terms.iter().any(|term| term.impulse[0] > 0.0 && term.is_one_sided()) {
+        if !problem.velocity.iter().flatten().all(|value| value.is_finite()) {
             return;
         }
         let moving = bodies.iter().zip(rates).filter(|(body, _)| body.is_dynamic());
@@ -82,9 +85,16 @@ impl CoupledIsland {
 }
 
 impl Problem {
-    /// Whether joints do nothing but hold: nothing of them gives, moves, rubs or is stopped. The terms of contacts begin at `first`.
+    /// Whether joints do nothing but hold: nothing of them gives, moves or rubs. The terms of contacts begin at `first`.
     fn is_passive(&self, first: usize) -> bool {
         let holds = self.links.iter().all(|link| link.boundless == 0 && link.give == [0.0; 6] && link.bias == [0.0; 6]);
-        holds && self.terms[..first].iter().all(|term| term.is_one_sided() && term.expected == [0.0; 2])
+        holds && self.terms[..first].iter().all(Term::is_one_sided)
+    }
+
+    /// Leaves out contacts, whose terms begin at `first`, and the ropes and stops that have borne nothing.
+    fn leave_out_what_is_open(&mut self, first: usize) {
+        let (joints, contacts) = self.terms.split_at_mut(first);
+        let open = joints.iter_mut().filter(|term| term.expected[0] <= 0.0);
+        open.chain(contacts).for_each(|term| (term.law, term.is_known, term.argument) = (Law::Between(0.0, 0.0), true, [0.0; 2]));
     }
 }

@@ -5,10 +5,8 @@
 //! with all of it a bob on a rod loses half its energy in 10 s at 30 steps a second.
 //!
 //! A body of mass m on which lines pull with Σ k oscillates with h² Σ k/m = s, and in a net one node against the next with s_a + s_b = x, of which
-//! leapfrog bears four. The share x/(1 + x) of each line is implicit. What is left of the lines of a node is at most
-//! h² Σ k/(m (1 + s)) < 1, of both ends of a line less than two.
-//!
-//! Not so in loops: nets of ropes catch what falls into them by all the damping that they have.
+//! leapfrog bears four. The share x²/(1 + x²) of each line is implicit, as of what turns. What is left of the lines of a node is at most
+//! h² Σ k/(m (1 + s²)) ≤ ½, of both ends of a line at most one.
 
 use super::problem::{Inverses, Problem};
 use super::term::FIXED;
@@ -31,7 +29,7 @@ impl Problem {
         for line in stiff.chunks_exact_mut(2) {
             let own = |body: u32| if body == FIXED { 0.0 } else { sums[body as usize] };
             let x = own(line[0].bodies[0]) + own(line[0].bodies[1]);
-            line.iter_mut().for_each(|row| row.gain *= x / (1.0 + x));
+            line.iter_mut().for_each(|row| row.gain *= x * x / (1.0 + x * x));
         }
     }
 }
