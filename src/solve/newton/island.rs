@@ -188,7 +188,7 @@ impl CoupledIsland {
         self.began.clone_from(&self.local_poses);
         self.outcome.gaps[0] = self.joint_gap(joints);
         let (before, mut budget) = (self.energy(), None);
-        let is_in_phase = self.is_unpressed();
+        let lead = self.is_unpressed().then(|| self.lead(h));
         for substep in 0..settings.substeps {
             let left = [0, 1].map(|end| h * f64::from(settings.substeps - substep - end));
             let ahead = if substep == 0 { 0.5 * (h - f64::from(settings.dt)) } else { h };
@@ -196,7 +196,7 @@ impl CoupledIsland {
             bent.for_each(|(body, rate)| *rate = body.bent(rate, ahead));
             self.build(joints, h, left);
             self.rebound(joints, settings, h, left);
-            if substep == 0 && is_in_phase {
+            if substep == 0 && lead.is_some() {
                 self.begin_in_phase();
             }
             let budget = budget.get_or_insert_with(|| self.budget(settings));
@@ -227,13 +227,11 @@ impl CoupledIsland {
                 break;
             }
         }
-        if self.is_unpressed() {
-            self.end_in_phase(joints, h, 0.0);
-        }
+        let after = self.end_step(joints, h, lead);
         let overlaps = self.patches.iter().map(|patch| patch.overlap(&self.local_poses, &self.began));
         self.outcome.penetration = overlaps.fold(0.0, f64::max);
         self.outcome.gaps[1] = self.joint_gap(joints);
-        (self.outcome.gain, self.outcome.kinetic) = (self.energy() - before, before);
+        (self.outcome.gain, self.outcome.kinetic) = (after - before, before);
         self.outcome.is_rejected = !self.is_sound();
         let contradicts = self.contradicts();
         let may_again = self.may_halve() || contradicts && !self.outcome.gives;

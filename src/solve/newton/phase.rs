@@ -38,8 +38,29 @@ impl CoupledIsland {
         }
     }
 
+    /// How much more energy bodies have than half a substep of length `h` (s) before, by what forces have done since (J).
+    pub(super) fn lead(&self, h: f64) -> f64 {
+        let moving = self.bodies.iter().zip(&self.rates);
+        moving.map(|(body, rate)| 0.5 * h * body.mass().unwrap_or(0.0) * body.acceleration.dot(rate.linear)).sum()
+    }
+
+    /// Ends a step of substeps of length `h` (s), which has begun with velocities of its start and this lead, or with those of half a substep before.
+    /// Returns the energy as of the time that it began with: half a kick is neither gain nor loss.
+    pub(super) fn end_step(&mut self, joints: &Pool<Joint, JointId>, h: f64, lead: Option<f64>) -> f64 {
+        let middle = self.energy();
+        let ends_in_phase = self.is_unpressed();
+        if ends_in_phase {
+            self.end_in_phase(joints, h, 0.0);
+        }
+        match lead {
+            Some(_) if ends_in_phase => self.energy(),
+            Some(lead) => middle + lead,
+            None => middle,
+        }
+    }
+
     /// Brings velocities from the middle of the last substep, of length `h` (s), to its end.
-    pub(super) fn end_in_phase(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64) {
+    fn end_in_phase(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64) {
         self.build(joints, h, [left, left]);
         if !self.problem.is_passive(self.held.sources.len()) {
             return;
