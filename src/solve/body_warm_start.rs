@@ -69,12 +69,12 @@ impl BodyWarmStart {
             integrate::apply_forces(velocity, motion, h);
             integrate::limit_speeds(velocity, motion);
             let [linear, angular] = std::mem::replace(change, [velocity.linear, velocity.angular]);
-            if motion.refreshed {
+            if motion.world_inertia.refreshed {
                 refreshes.store(true, Ordering::Relaxed);
             }
             if !is_first {
                 let now = &velocity.inverse_inertia;
-                let angular = if motion.refreshed { after_refresh(&before, now, angular) } else { angular };
+                let angular = if motion.world_inertia.refreshed { after_refresh(&before, now, angular) } else { angular };
                 velocity.linear += linear;
                 velocity.angular += angular;
             }

@@ -164,7 +164,7 @@ impl ContactBlock {
 
     /// Whether the inertia of any of its bodies has been formed anew.
     pub(crate) fn is_refreshed(&self, motions: &[BodyMotion]) -> bool {
-        self.a.iter().chain(&self.b).any(|&slot| motions[slot as usize].refreshed)
+        self.a.iter().chain(&self.b).any(|&slot| motions[slot as usize].world_inertia.refreshed)
     }
 
     /// Whether lane `l` is in use, and its first point can be moved.

@@ -26,13 +26,13 @@ pub(crate) fn apply_forces(velocity: &mut BodyVelocity, motion: &mut BodyMotion,
     if !motion.is_dynamic() || motion.direct || motion.in_lanes {
         return;
     }
-    motion.refreshed = false;
+    motion.world_inertia.refreshed = false;
     if motion.kind == MotionKind::Tumbling {
         let turned = motion.turn - motion.turn_at_refresh;
         let noticeable = INERTIA_REFRESH * motion.inertia.min_element() / motion.inertia.max_element();
         if turned.length_squared() > noticeable * noticeable || (motion.jointed && velocity.angular != Vec3::ZERO) {
             refresh_inertia(velocity, motion, h);
-            motion.refreshed = true;
+            motion.world_inertia.refreshed = true;
         }
     }
     let free = velocity.inverse_mass.cmpgt(Vec3::ZERO);
@@ -215,7 +215,7 @@ fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32)
     let tensor = crate::shape::inertia_tensor(1.0 / inertia, axes);
     velocity.inverse_inertia = Symmetric::from_mat3(held32(tensor, motion.free_rotation()));
     motion.turn_at_refresh = motion.turn;
-    motion.smeared = inertia != motion.inertia;
+    motion.world_inertia.smeared = inertia != motion.inertia;
 }
 
 /// Principal moments of inertia that rows answer with in a substep of length `h` (kg·m²).

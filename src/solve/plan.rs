@@ -15,7 +15,6 @@ use super::meetings::is_batted;
 use super::stances::{Stances, rests_sparsely};
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::report::IslandPlan;
-use crate::settings::Solver;
 
 /// Finds the plan of each island of a batch.
 #[derive(Debug, Default)]
@@ -74,14 +73,7 @@ impl Planner {
         for link in links {
             let slots = [link.a, link.b];
             let Some(look) = island_of(slots).map(|number| &mut looks[number]) else { continue };
-            look.joints += 1;
-            look.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
-            look.is_plain &= link.traits.is_plain;
-            look.borne.is_held |= !link.traits.gives;
-            look.is_limbed |= link.traits.limits_angles;
-            look.borne.by_motors |= link.traits.holds_by_motor;
-            look.borne.is_driven |= link.traits.has_rigid_motor;
-            look.borne.is_sprung |= link.traits.has_springs;
+            look.add_joint(link);
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
             look.is_anchored |= ends.contains(&0) && is_anchor(link);
             look.is_looped |= !join(tied, ends);

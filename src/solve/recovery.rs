@@ -127,7 +127,7 @@ fn push_out(push: &BodyVelocity, velocity: &mut BodyVelocity, motion: &mut BodyM
         let spin = (rotation * motion.inertia_frame).conjugate() * velocity.angular;
         (motion.inertia * spin).dot(spin)
     };
-    if motion.smeared || energy(motion.rotation) > energy(before) * TURNING_LET_BE {
+    if motion.world_inertia.smeared || energy(motion.rotation) > energy(before) * TURNING_LET_BE {
         velocity.angular = motion.free_rotation() * ((motion.rotation * before.conjugate()).normalize() * velocity.angular);
     }
 }

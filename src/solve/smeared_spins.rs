@@ -80,5 +80,9 @@ impl SmearedSpin {
 
 /// Whether contacts alone act on a body whose axes are smeared.
 fn is_seen_smeared(motion: &BodyMotion) -> bool {
-    motion.smeared && !motion.jointed && !motion.direct && motion.constraints != Constraints::None && motion.is_free_to_turn()
+    motion.world_inertia.smeared
+        && !motion.jointed
+        && !motion.direct
+        && motion.constraints != Constraints::None
+        && motion.is_free_to_turn()
 }

@@ -139,10 +139,7 @@ pub(crate) struct BodyMotion {
     /// Whether it was made, or put where it is, a short while ago.
     pub young: bool,
     pub constraints: Constraints,
-    /// Whether the world inertia was formed anew in this substep.
-    pub refreshed: bool,
-    /// Whether an axis answers as heavier than it is, as a substep smears it.
-    pub smeared: bool,
+    pub world_inertia: WorldInertia,
     /// Whether the body is moved with seven others.
     pub in_lanes: bool,
     /// No rotation about these world axes.
@@ -155,6 +152,15 @@ const _: () = assert!(std::mem::offset_of!(BodyMotion, rotation) == 32 && std::m
 
 /// Two cache lines: all motions of a batch are gone through several times a substep.
 const _: () = assert!(size_of::<BodyMotion>() == 128);
+
+/// How the inertia in world axes is that of a substep.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct WorldInertia {
+    /// Whether it was formed anew.
+    pub refreshed: bool,
+    /// Whether an axis answers as heavier than it is, as the substep smears it.
+    pub smeared: bool,
+}
 
 /// What acts on a body beside forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -204,8 +210,7 @@ impl BodyMotion {
         steady: true,
         young: false,
         constraints: Constraints::None,
-        refreshed: false,
-        smeared: false,
+        world_inertia: WorldInertia { refreshed: false, smeared: false },
         in_lanes: false,
         locked_rotation: [false; 3],
         driven: false,

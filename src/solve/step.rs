@@ -299,10 +299,10 @@ impl BatchStages {
         let Batch { poses, velocities, motions, .. } = batch;
         poses.each_single(threads, (velocities, motions), |velocity, motion| {
             integrate::apply_forces(velocity, motion, h);
-            if motion.refreshed {
+            if motion.world_inertia.refreshed {
                 refreshes.store(true, Ordering::Relaxed);
             }
-            if motion.smeared {
+            if motion.world_inertia.smeared {
                 smears.store(true, Ordering::Relaxed);
             }
             if !is_noted {
@@ -322,7 +322,10 @@ impl BatchStages {
         direct.couple(joints, context, h, h * (substeps - substep) as f32);
         self.contact_energy.note_velocities(&batch.velocities);
         self.smeared.find(smears.into_inner(), &batch.velocities, &batch.motions);
-        if !batch.contacts.is_empty() && refreshes.into_inner() && batch.motions.iter().any(|motion| motion.refreshed) {
+        if !batch.contacts.is_empty()
+            && refreshes.into_inner()
+            && batch.motions.iter().any(|motion| motion.world_inertia.refreshed)
+        {
             parallel_contacts::refresh_masses(&mut batch.contacts, threads, &batch.velocities, &batch.motions);
         }
     }

@@ -225,7 +225,7 @@ impl Articulation {
                 let (velocity, motion) = (velocities.get_mut(body.slot), motions.get_mut(body.slot));
                 velocity.angular = narrowing::speed(self.rates[i].angular);
                 velocity.inverse_inertia = body.answer();
-                motion.refreshed = anew;
+                motion.world_inertia.refreshed = anew;
             }
         }
     }

@@ -25,7 +25,7 @@ pub(super) fn find_still(looks: &mut [IslandTraits], (velocities, motions): (&[B
             energy += own * velocity.linear.length_squared();
             pull += own * (motion.acceleration * dt).length_squared();
         }
-        look.is_still = mass > 0.0 && energy - momentum.length_squared() / mass <= pull;
+        look.borne.is_still = mass > 0.0 && energy - momentum.length_squared() / mass <= pull;
     }
 }
 

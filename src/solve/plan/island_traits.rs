@@ -3,10 +3,12 @@
 use glam::Vec3;
 
 use crate::report::IslandPlan;
+use crate::settings::Solver;
 use crate::solve::StepSettings;
 use crate::solve::contact::ContactInput;
 use crate::solve::direct::stiffness::IMPLICIT_RANGE;
 use crate::solve::direct::{FRICTION_ROWS, MAX_MANIFOLDS, MAX_RIDERS, are_few};
+use crate::solve::joint::JointLink;
 use crate::solve::meetings::{may_meet, rebounds, weighs_down};
 use crate::solve::stances::Standing;
 use crate::solve::state::{BodyMotion, BodyVelocity};
@@ -53,6 +55,8 @@ pub(super) struct BorneTraits {
     pub(super) is_sprung: bool,
     pub(super) is_in_reach: bool,
     pub(super) swing: f64,
+    /// Whether the bodies of a loop that stands do not move against one another.
+    pub(super) is_still: bool,
 }
 
 /// What is known of bodies without joints that touch one another.
@@ -101,9 +105,8 @@ pub(super) struct IslandTraits {
     pub(super) inverse_masses: [f32; 2],
     pub(super) touches: bool,
     pub(super) borne: BorneTraits,
-    /// Whether what joints hold touches anything that is fixed or moved; and whether the bodies of such a loop do not move against one another.
+    /// Whether what joints hold touches anything that is fixed or moved.
     pub(super) stands: bool,
-    pub(super) is_still: bool,
     pub(super) rebounds: bool,
     /// Most multiplications that a factorisation may take: more where something presses that is [`HEAVY`](crate::tuning::plan::HEAVY) times what joints hold against it.
     pub(super) most_work: u64,
@@ -116,6 +119,18 @@ impl BorneTraits {
 }
 
 impl IslandTraits {
+    /// Notes what a joint of the island says of it.
+    pub(super) fn add_joint(&mut self, link: &JointLink) {
+        self.joints += 1;
+        self.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
+        self.is_plain &= link.traits.is_plain;
+        self.is_limbed |= link.traits.limits_angles;
+        self.borne.is_held |= !link.traits.gives;
+        self.borne.by_motors |= link.traits.holds_by_motor;
+        self.borne.is_driven |= link.traits.has_rigid_motor;
+        self.borne.is_sprung |= link.traits.has_springs;
+    }
+
     /// Notes what a contact of the island says of it.
     pub(super) fn add_contact(
         &mut self,
@@ -260,7 +275,7 @@ impl IslandTraits {
             _ if self.is_carrier() => IslandPlan::Apart,
             Self { touches: false, .. } if self.is_alike() => IslandPlan::Alike,
             // Sweeps do not bear what is heavy on light links, and one factor a substep does while nothing moves.
-            Self { is_looped: true, stands: true, is_still: true, .. } => IslandPlan::Coupled,
+            Self { is_looped: true, stands: true, borne: BorneTraits { is_still: true, .. }, .. } => IslandPlan::Coupled,
             _ if self.is_heap() => IslandPlan::Heaped,
             Self { is_anchored: true, .. } | Self { is_looped: true, stands: true, .. } => IslandPlan::Coupled,
             // A foot under limbs that motors hold bears them all, as one under what is rigid.

@@ -271,7 +271,7 @@ impl WideBodies {
             note_contacts(motion, body_flags.get(slot));
             motion.in_lanes = suits(velocity, motion);
             if motion.in_lanes {
-                motion.refreshed = motion.kind == MotionKind::Tumbling;
+                motion.world_inertia.refreshed = motion.kind == MotionKind::Tumbling;
                 add(blocks, slot as u32, motion, h);
                 *last = slot;
                 continue;
